@@ -27,7 +27,7 @@
 
 use std::f64::consts::TAU;
 use std::fs::File;
-use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::io::{self, IsTerminal, Write};
 #[cfg(unix)]
 use std::os::fd::AsFd;
 #[cfg(windows)]
@@ -37,17 +37,16 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 use std::{fmt::Display, ops::RangeInclusive, panic, str::FromStr};
 
-use clap::{Parser, ValueEnum};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, FromArgMatches, Parser, ValueEnum};
 use crossterm::cursor::{Hide, Show};
 use crossterm::execute;
 use crossterm::style::{self, Color, SetForegroundColor};
 use crossterm::terminal::{self, EnterAlternateScreen, LeaveAlternateScreen};
 
-// ---------------------------------------------------------------------------------------------
-// Options
-// ---------------------------------------------------------------------------------------------
+// ---- Options -------------------------------------------------------------------------------------
 
-/// A spinning ASCII donut: donut.c, byte for byte.
+/// A spinning ASCII donut: donut.c, byte for byte, and right in every cell at every other size.
 ///
 /// On a terminal the donut fills the screen until Ctrl-C. Into a pipe or a file go donut.c's own
 /// bytes, paced by --fps.
@@ -55,25 +54,19 @@ use crossterm::terminal::{self, EnterAlternateScreen, LeaveAlternateScreen};
 #[command(version, after_help = EXAMPLES)]
 struct Options {
     /// Columns, 1 to 4096 [default: the terminal's, otherwise 80]
-    #[arg(long, value_name = "COLS", allow_hyphen_values = true, value_parser = cells)]
+    #[arg(long, value_name = "COLS", value_parser = |n: &str| number(n, 1..=4096_u16))]
     width: Option<u16>,
 
     /// Rows, 1 to 4096 [default: the terminal's less 2, otherwise 22]
-    #[arg(long, value_name = "ROWS", allow_hyphen_values = true, value_parser = cells)]
+    #[arg(long, value_name = "ROWS", value_parser = |n: &str| number(n, 1..=4096_u16))]
     height: Option<u16>,
 
-    /// Frames a second: 0.001 to 1000, or 0 for as fast as possible
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "30",
-        allow_hyphen_values = true
-    )]
-    #[arg(value_parser = frame_rate)]
+    /// Frames a second, up to 1000; 0 is as fast as possible
+    #[arg(long, value_name = "N", default_value = "30", value_parser = |n: &str| number(n, 0.0..=1e3))]
     fps: f64,
 
     /// Stop after N frames [default: never]
-    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = frame_count)]
+    #[arg(long, value_name = "N", value_parser = |n: &str| number(n, 0..=u64::MAX))]
     frames: Option<u64>,
 
     /// How a cell gets its glyph
@@ -81,48 +74,36 @@ struct Options {
     method: Method,
 
     /// The first frame's turn about the x axis, in radians, -1e9 to 1e9
-    #[arg(
-        short = 'A',
-        value_name = "RAD",
-        default_value = "0",
-        allow_hyphen_values = true
-    )]
-    #[arg(value_parser = angle)]
+    #[arg(short = 'A', value_name = "RAD", default_value = "0", value_parser = angle)]
     a: f64,
 
     /// The first frame's turn about the z axis, in radians, -1e9 to 1e9
-    #[arg(
-        short = 'B',
-        value_name = "RAD",
-        default_value = "0",
-        allow_hyphen_values = true
-    )]
-    #[arg(value_parser = angle)]
+    #[arg(short = 'B', value_name = "RAD", default_value = "0", value_parser = angle)]
     b: f64,
 
     /// Radians that A and B advance each frame, each -1e9 to 1e9
-    #[arg(
-        long,
-        value_name = "DA,DB",
-        default_value = "0.04,0.02",
-        allow_hyphen_values = true
-    )]
-    #[arg(value_parser = angle_pair)]
-    spin: (f64, f64),
+    #[arg(long, value_name = "DA,DB", default_value = "0.04,0.02", value_parser = two_angles)]
+    spin: [f64; 2],
 
     /// One colour for the donut: a name (red, dark_cyan, ...), 0 to 255, or #rrggbb
-    #[arg(long, allow_hyphen_values = true, value_parser = color)]
+    #[arg(long, value_parser = color)]
     color: Option<Color>,
 
     /// Height of a character cell over its width, 0.1 to 10
-    #[arg(
-        long,
-        value_name = "RATIO",
-        default_value = "2",
-        allow_hyphen_values = true
-    )]
-    #[arg(value_parser = aspect)]
+    #[arg(long, value_name = "RATIO", default_value = "2", value_parser = |n: &str| number(n, 0.1..=10.0))]
     aspect: f64,
+
+    /// Radius of the tube, 1e-6 to 1e6
+    #[arg(long, value_name = "R", default_value = "1", value_parser = length)]
+    r1: f64,
+
+    /// Radius of the ring, from the donut's centre to the tube's: more than --r1
+    #[arg(long, value_name = "R", default_value = "2", value_parser = length)]
+    r2: f64,
+
+    /// Distance from the viewer to the donut's centre: more than --r1 plus --r2
+    #[arg(long, value_name = "D", default_value = "5", value_parser = length)]
+    k2: f64,
 }
 
 const EXAMPLES: &str = "\
@@ -136,50 +117,43 @@ Examples:
 /// How a cell gets its glyph.
 #[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
 enum Method {
-    /// donut.c's own: dots strewn over the surface, the nearest in each cell wins
+    /// classic for donut.c's own picture, 80x22, while its clock runs true; otherwise exact
     #[default]
+    Auto,
+    /// donut.c's own: dots strewn over the surface, the nearest in each cell wins
     Classic,
+    /// One ray through each cell's centre, solved exactly: right at every size
+    Exact,
 }
 
 /// A number within `range`, or what was expected instead.
-fn number<T>(text: &str, range: RangeInclusive<T>, kind: &str) -> Result<T, String>
-where
-    T: FromStr + PartialOrd + Display,
-{
+fn number<T: FromStr + PartialOrd + Display>(
+    text: &str,
+    range: RangeInclusive<T>,
+) -> Result<T, String> {
+    let number = text.parse().ok().filter(|number| range.contains(number));
+    let kind = if "0.5".parse::<T>().is_ok() {
+        "number"
+    } else {
+        "whole number"
+    };
     let (low, high) = (range.start(), range.end());
-    let expected = format!("expected {kind} from {low} to {high}");
-    let value = text.parse().map_err(|_| &expected);
-    value
-        .ok()
-        .filter(|value| range.contains(value))
-        .ok_or(expected)
-}
-
-fn cells(text: &str) -> Result<u16, String> {
-    number(text, 1..=4096, "a whole number")
-}
-
-fn frame_count(text: &str) -> Result<u64, String> {
-    number(text, 0..=u64::MAX, "a whole number")
-}
-
-fn frame_rate(text: &str) -> Result<f64, String> {
-    number(text, 0.0..=0.0, "").or_else(|_| number(text, 0.001..=1000.0, "0, or a number"))
+    number.ok_or_else(|| format!("expected a {kind} from {low} to {high}"))
 }
 
 fn angle(text: &str) -> Result<f64, String> {
-    number(text, -1e9..=1e9, "a number")
+    number(text, -1e9..=1e9)
 }
 
-fn angle_pair(text: &str) -> Result<(f64, f64), String> {
-    let (a, b) = text
+fn two_angles(text: &str) -> Result<[f64; 2], String> {
+    let two = text
         .split_once(',')
         .ok_or("expected two numbers with a comma between them")?;
-    Ok((angle(a)?, angle(b)?))
+    Ok([angle(two.0)?, angle(two.1)?])
 }
 
-fn aspect(text: &str) -> Result<f64, String> {
-    number(text, 0.1..=10.0, "a number")
+fn length(text: &str) -> Result<f64, String> {
+    number(text, 1e-6..=1e6)
 }
 
 fn color(text: &str) -> Result<Color, String> {
@@ -194,15 +168,22 @@ fn color(text: &str) -> Result<Color, String> {
     } else {
         Color::try_from(text)
             .ok()
-            .filter(|color| *color != Color::Reset)
+            .filter(|&color| color != Color::Reset)
     };
     color.ok_or_else(|| "expected a colour's name, a number from 0 to 255, or #rrggbb".into())
 }
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
+    // Values may begin with a hyphen: negative numbers, and what is to be refused by name.
+    let mut command = Options::command().mut_args(|arg| arg.allow_hyphen_values(true));
+    let options = Options::from_arg_matches(&command.get_matches_mut());
+    let options = options.unwrap_or_else(|error| error.exit());
+    let scene = Scene::new(&options);
+    let scene =
+        scene.unwrap_or_else(|refusal| command.error(ErrorKind::ValueValidation, refusal).exit());
+    match run(&options, scene) {
         // A reader that goes away, as in `donut | head`, has seen enough.
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             // Nothing is left to do if standard error is gone as well.
             let _ = writeln!(io::stderr(), "donut: {error}");
             ExitCode::FAILURE
@@ -211,16 +192,65 @@ fn main() -> ExitCode {
     }
 }
 
-// ---------------------------------------------------------------------------------------------
-// Scene and camera
-// ---------------------------------------------------------------------------------------------
+// ---- Scene and camera ----------------------------------------------------------------------------
 
-/// Radius of the tube: the unit of length.
-const R1: f64 = 1.0;
-/// Radius of the ring, from the donut's centre to the tube's.
-const R2: f64 = 2.0;
-/// Distance from the viewer to the donut's centre.
-const K2: f64 = 5.0;
+/// The donut and its viewer, in units of the tube's radius: R1 is 1.
+#[derive(Clone, Copy, PartialEq)]
+struct Scene {
+    /// Radius of the ring, from the donut's centre to the tube's.
+    r2: f64,
+    /// Distance from the viewer to the donut's centre.
+    k2: f64,
+}
+
+impl Scene {
+    const DONUT_C: Scene = Scene { r2: 2.0, k2: 5.0 };
+
+    /// The scene of the options, or why it cannot be drawn.
+    fn new(options: &Options) -> Result<Scene, String> {
+        let &Options { r1, r2, k2, .. } = options;
+        let (ring, distance) = (r2 / r1, k2 / r1);
+        let scene = Scene {
+            r2: ring,
+            k2: distance,
+        };
+        let refuse = |value: &dyn Display, option, expected| {
+            Err(format!(
+                "invalid value '{value}' for '{option}': expected {expected}"
+            ))
+        };
+        if r1 >= r2 {
+            refuse(&r1, "--r1 <R>", format!("less than --r2, {r2}"))
+        } else if ring > 1000.0 {
+            refuse(
+                &r1,
+                "--r1 <R>",
+                format!("a thousandth of --r2, {r2}, or more"),
+            )
+        } else if k2 <= r1 + r2 {
+            refuse(
+                &k2,
+                "--k2 <D>",
+                format!("more than --r1 plus --r2, {}", r1 + r2),
+            )
+        } else if options.method == Method::Classic && scene != Scene::DONUT_C {
+            let others = "exact or auto, unless --r1, --r2, --k2 are 1, 2, 5".into();
+            refuse(&"classic", "--method <METHOD>", others)
+        } else {
+            Ok(scene)
+        }
+    }
+
+    /// Radius of the sphere that no pose of the donut leaves.
+    fn sphere(&self) -> f64 {
+        1.0 + self.r2
+    }
+
+    /// Tangent under which the viewer sees that sphere's radius.
+    fn limb(&self) -> f64 {
+        self.sphere() / ((self.k2 - self.sphere()) * (self.k2 + self.sphere())).sqrt()
+    }
+}
 
 /// Where a point of space falls on the screen.
 ///
@@ -228,7 +258,7 @@ const K2: f64 = 5.0;
 /// `x = cx + k1x X / (Z + K2)`, `y = cy + k1y Y / (Z + K2)`, in cells from the top left corner.
 /// Cell (c, r) is the square [c, c+1) x [r, r+1). Column 0 and row 0 stay empty: donut.c's first
 /// column is its newline, and it never draws on its first row.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 struct Camera {
     width: usize,
     height: usize,
@@ -239,24 +269,23 @@ struct Camera {
 }
 
 impl Camera {
-    /// donut.c's own camera at its 80x22, and otherwise the largest that cuts off no pose.
-    ///
-    /// `aspect` is the height of a cell over its width. No pose leaves the sphere of radius
-    /// R1 + R2, which is seen as a circle of radius `limb` at the distance 1.
-    fn new(width: usize, height: usize, aspect: f64) -> Camera {
-        if (width, height, aspect) == (80, 22, 2.0) {
-            return Camera {
-                width,
-                height,
-                cx: 40.0,
-                cy: 12.0,
-                k1x: 30.0,
-                k1y: 15.0,
-            };
+    const DONUT_C: Camera = Camera {
+        width: 80,
+        height: 22,
+        cx: 40.0,
+        cy: 12.0,
+        k1x: 30.0,
+        k1y: 15.0,
+    };
+
+    /// donut.c's own camera for its size and scene, and otherwise the largest that cuts off no pose.
+    /// `aspect` is the height of a cell over its width.
+    fn new(width: usize, height: usize, aspect: f64, scene: &Scene) -> Camera {
+        if (width, height, aspect) == (80, 22, 2.0) && *scene == Scene::DONUT_C {
+            return Camera::DONUT_C;
         }
         let (w, h) = (width as f64, height as f64);
-        let limb = (R1 + R2) / (K2 * K2 - (R1 + R2) * (R1 + R2)).sqrt();
-        let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / limb;
+        let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / scene.limb();
         let (cx, cy) = ((w + 1.0) / 2.0, (h + 1.0) / 2.0);
         Camera {
             width,
@@ -269,12 +298,52 @@ impl Camera {
     }
 }
 
-// ---------------------------------------------------------------------------------------------
-// Rendering
-// ---------------------------------------------------------------------------------------------
+// ---- Rendering -----------------------------------------------------------------------------------
 
 /// From dark to bright, indexed by 8 L: L reaches sqrt 2, and 8 sqrt 2 is 11.3.
 const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
+
+/// The glyph of a luminance of 8 L, from -11.3 to 11.3; what faces away from the light is dark.
+fn glyph(luminance: f64) -> u8 {
+    // A cast saturates: everything negative is 0.
+    RAMP[usize::from(luminance as u8)]
+}
+
+/// Draws one picture of the donut after another.
+struct Renderer {
+    scene: Scene,
+    camera: Camera,
+    method: Method,
+    /// The glyphs: `width * height` bytes, row by row from the top, a blank where the donut is not.
+    framebuffer: Vec<u8>,
+    splat: Option<Splat>,
+}
+
+impl Renderer {
+    fn new(scene: Scene, camera: Camera, method: Method) -> Renderer {
+        let framebuffer = vec![b' '; camera.width * camera.height];
+        Renderer {
+            scene,
+            camera,
+            method,
+            framebuffer,
+            splat: None,
+        }
+    }
+
+    /// Draws the donut turned by A and B into the framebuffer.
+    fn render_frame(&mut self, a: f64, b: f64) {
+        self.framebuffer.fill(b' ');
+        if self.method == Method::Classic {
+            let splat = self.splat.get_or_insert_with(|| Splat::new(&self.camera));
+            splat.draw(a as f32, b as f32, &self.camera, &mut self.framebuffer);
+        } else {
+            trace(a, b, &self.scene, &self.camera, &mut self.framebuffer);
+        }
+    }
+}
+
+// ---- classic: donut.c's splat --------------------------------------------------------------------
 
 /// An angle's sine and cosine, taken in f64 and rounded to f32 as C does with `double sin()`.
 fn sin_cos(angle: f32) -> (f32, f32) {
@@ -304,46 +373,41 @@ impl Turn {
     }
 }
 
-/// One picture of the donut after another.
-struct Renderer {
-    camera: Camera,
-    /// The glyphs: `width * height` bytes, row by row from the top; a blank where the donut is not.
-    framebuffer: Vec<u8>,
-    /// 1/z of what each cell shows, larger is nearer; 0 where the donut is not.
-    zbuffer: Vec<f32>,
+/// The surface as a cloud of samples, of which the nearest in each cell shows.
+struct Splat {
     theta: Turn,
     phi: Turn,
     ring: Ring,
+    /// 1/z of what each cell shows, larger is nearer; 0 where the donut is not.
+    zbuffer: Vec<f32>,
 }
 
-impl Renderer {
+impl Splat {
     /// At other sizes than donut.c's the two angles' steps shrink until the nearest point of the
     /// surface, at `K2 - R1 - R2`, again moves at most a cell in a step, or there would be holes.
-    fn new(camera: Camera) -> Renderer {
-        let shrink = f64::min(1.0, 15.0 / (camera.k1x.max(camera.k1y) / (K2 - R1 - R2)));
-        let phi = Turn::new(0.02 * shrink);
-        Renderer {
-            camera,
-            framebuffer: vec![b' '; camera.width * camera.height],
-            zbuffer: vec![0.0; camera.width * camera.height],
-            theta: Turn::new(0.07 * shrink),
-            ring: Ring::new(phi.sin.len()),
+    fn new(camera: &Camera) -> Splat {
+        let nearest = Scene::DONUT_C.k2 - Scene::DONUT_C.sphere();
+        let shrink = f64::min(1.0, 15.0 / (camera.k1x.max(camera.k1y) / nearest));
+        let (theta, phi) = (Turn::new(0.07 * shrink), Turn::new(0.02 * shrink));
+        let ring = Ring::new(phi.sin.len());
+        Splat {
+            theta,
             phi,
+            ring,
+            zbuffer: vec![0.0; camera.width * camera.height],
         }
     }
 
-    /// Draws the donut turned by A and B into the framebuffer.
-    fn render_frame(&mut self, a: f32, b: f32) {
+    fn draw(&mut self, a: f32, b: f32, camera: &Camera, framebuffer: &mut [u8]) {
         let pose = (sin_cos(a), sin_cos(b));
-        self.framebuffer.fill(b' ');
         self.zbuffer.fill(0.0);
         // Samples that fall outside the picture go to cell 0, where nothing is ever nearer.
         self.zbuffer[0] = f32::INFINITY;
         for (&sin_theta, &cos_theta) in self.theta.sin.iter().zip(&self.theta.cos) {
             self.ring
-                .sample((sin_theta, cos_theta), &self.phi, pose, &self.camera);
-            self.ring.locate(&self.camera);
-            self.ring.plot(&mut self.zbuffer, &mut self.framebuffer);
+                .sample((sin_theta, cos_theta), &self.phi, pose, camera);
+            self.ring.locate(camera);
+            self.ring.plot(&mut self.zbuffer, framebuffer);
         }
     }
 }
@@ -384,7 +448,7 @@ impl Ring {
         ((sin_a, cos_a), (sin_b, cos_b)): ((f32, f32), (f32, f32)),
         camera: &Camera,
     ) {
-        let (r2, k2) = (R2 as f32, K2 as f32);
+        let (r2, k2) = (Scene::DONUT_C.r2 as f32, Scene::DONUT_C.k2 as f32);
         let (cx, cy) = (camera.cx as f32, camera.cy as f32);
         let (k1x, k1y) = (camera.k1x as f32, camera.k1y as f32);
         // Distance from the axis: the article's circlex.
@@ -424,8 +488,7 @@ impl Ring {
             let cell = cell as usize;
             if ooz > zbuffer[cell] {
                 zbuffer[cell] = ooz;
-                // A negative luminance saturates to 0: what faces away from the light is dark.
-                framebuffer[cell] = RAMP[usize::from(luminance as u8)];
+                framebuffer[cell] = glyph(luminance.into());
             }
         }
     }
@@ -440,9 +503,192 @@ fn truncate(value: f32) -> i32 {
     rounded.to_bits() as i32 - WHOLE.to_bits() as i32 - i32::from(up)
 }
 
-// ---------------------------------------------------------------------------------------------
-// Encoding
-// ---------------------------------------------------------------------------------------------
+// ---- exact: one ray a cell -----------------------------------------------------------------------
+
+/// Rays are solved four at a time, an array to a quantity, which the compiler makes vectors of.
+const LANES: usize = 4;
+type Lanes = [f64; LANES];
+
+/// Where a ray arrives that misses.
+const FAR: f64 = f64::INFINITY;
+
+/// Draws what the ray through each cell's centre hits first.
+///
+/// Of the donut's turn only its axis matters, for it is a surface of revolution.
+fn trace(a: f64, b: f64, scene: &Scene, camera: &Camera, framebuffer: &mut [u8]) {
+    let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
+    let axis = [sin_a * sin_b, -sin_a * cos_b, cos_a];
+    let limb = scene.limb();
+    for (row, cells) in framebuffer
+        .chunks_exact_mut(camera.width)
+        .enumerate()
+        .skip(1)
+    {
+        let dy = (row as f64 + 0.5 - camera.cy) / camera.k1y;
+        // Rays beyond the limb have nothing to hit.
+        let half = (limb * limb - dy * dy).max(0.0).sqrt() * camera.k1x;
+        let first = ((camera.cx - half) as usize).max(1);
+        let last = ((camera.cx + half) as usize + 1).min(camera.width);
+        for column in (first..last).step_by(LANES) {
+            let x = |lane| (column + lane) as f64 + 0.5;
+            let dx = std::array::from_fn(|lane| (x(lane) - camera.cx) / camera.k1x);
+            let rays = Rays::cast(&dx, dy, scene, &axis);
+            let hits = rays.first_hits();
+            let luminance = rays.luminance(&hits, scene, &axis);
+            for ((cell, s), luminance) in cells[column..].iter_mut().zip(hits).zip(luminance) {
+                if s < FAR {
+                    *cell = glyph(luminance);
+                }
+            }
+        }
+    }
+}
+
+/// Rays from the viewer, and for each the quartic `G(s) = s^4 + p s^2 + q s + r` that is zero where
+/// the ray meets the donut and positive outside of it.
+///
+/// A ray is `P0 + s U`: U its unit direction, P0 its point nearest to the donut's centre. Measured
+/// from there G has no cubic term, and small coefficients however far away the viewer is.
+#[derive(Default)]
+struct Rays {
+    p: Lanes,
+    q: Lanes,
+    r: Lanes,
+    /// `|P0|^2`, and half of the chord in the sphere that the donut never leaves.
+    q0: Lanes,
+    h: Lanes,
+    /// Height over the plane of the ring: of P0, and gained with each unit of s.
+    z0: Lanes,
+    uz: Lanes,
+    /// Product with the light (0, -1, -1): of P0, and of U.
+    l0: Lanes,
+    lu: Lanes,
+}
+
+impl Rays {
+    /// The rays in the directions (dx, dy, 1), for a donut whose axis is the unit vector `axis`.
+    fn cast(dx: &Lanes, dy: f64, scene: &Scene, axis: &[f64; 3]) -> Rays {
+        let Scene { r2, k2 } = *scene;
+        let (inner, outer) = ((r2 - 1.0) * (r2 - 1.0), (r2 + 1.0) * (r2 + 1.0));
+        let dot = |[x, y, z]: [f64; 3]| x * axis[0] + y * axis[1] + z * axis[2];
+        let mut rays = Rays::default();
+        for (i, &dx) in dx.iter().enumerate() {
+            let cos = 1.0 / (1.0 + dx * dx + dy * dy).sqrt();
+            let u = [dx * cos, dy * cos, cos];
+            // The viewer is at (0, 0, -K2). Over K2, this is how P0 lies from the centre.
+            let p0 = [u[0] * cos, u[1] * cos, -(u[0] * u[0] + u[1] * u[1])];
+            let (q0, z0, uz) = (k2 * k2 * -p0[2], k2 * dot(p0), dot(u));
+            rays.p[i] = 2.0 * (q0 - r2 * r2 - 1.0) + 4.0 * r2 * r2 * uz * uz;
+            rays.q[i] = 8.0 * r2 * r2 * z0 * uz;
+            rays.r[i] = (q0 - inner) * (q0 - outer) + 4.0 * r2 * r2 * z0 * z0;
+            (rays.q0[i], rays.h[i]) = (q0, (outer - q0).max(0.0).sqrt());
+            (rays.z0[i], rays.uz[i]) = (z0, uz);
+            (rays.l0[i], rays.lu[i]) = (-k2 * (p0[1] + p0[2]), -(u[1] + u[2]));
+        }
+        rays
+    }
+
+    /// Distance s of each ray's first hit, infinite where it misses.
+    fn first_hits(&self) -> Lanes {
+        let mut search = Search::new(self);
+        let mut steps = 0;
+        while search.is_running() && steps < Search::MOST_STEPS {
+            search.step(self);
+            steps += 1;
+        }
+        debug_assert!(!search.is_running(), "Newton takes too many steps");
+        search.s
+    }
+
+    /// 8 L where each ray hits, L being light times normal. At the point P of height z, rho from
+    /// the axis n, the normal is `(P - z n) (1 - R2 / rho) + z n`.
+    fn luminance(&self, s: &Lanes, scene: &Scene, axis: &[f64; 3]) -> Lanes {
+        let axis_light = -(axis[1] + axis[2]);
+        std::array::from_fn(|i| {
+            let z = self.z0[i] + s[i] * self.uz[i];
+            let rho = (self.q0[i] + s[i] * s[i] - z * z).sqrt();
+            let light = self.l0[i] + s[i] * self.lu[i];
+            8.0 * ((light - z * axis_light) * (1.0 - scene.r2 / rho) + z * axis_light)
+        })
+    }
+}
+
+/// Newton's search for the first root of each ray's G.
+///
+/// G has two valleys at most, and outside its inflections -w and w it is convex. Coming from the
+/// left Newton goes down to the first root and never beyond, if the left valley holds one. If not, a
+/// step finds G rising, or goes beyond -w. The search then starts again at w, if G falls there:
+/// Newton reaches a root in the right valley from either side, or finds G rising once more.
+struct Search {
+    s: Lanes,
+    last_step: Lanes,
+    /// How far s may go: -w in the left valley.
+    limit: Lanes,
+    /// Where to start again: w, or infinitely far, which is a miss.
+    second: Lanes,
+}
+
+impl Search {
+    /// Where to stop, in units of the tube's radius.
+    const TOLERANCE: f64 = 1e-9;
+    /// Five steps are the mean. Rays that graze the donut take up to 18.
+    const MOST_STEPS: usize = 32;
+
+    fn new(rays: &Rays) -> Search {
+        let far = [FAR; LANES];
+        let mut search = Search {
+            s: far,
+            last_step: far,
+            limit: far,
+            second: far,
+        };
+        for i in 0..LANES {
+            let (p, q) = (rays.p[i], rays.q[i]);
+            let w = (-p / 6.0).max(0.0).sqrt();
+            search.s[i] = -rays.h[i].max(w);
+            search.limit[i] = select(p < 0.0, -w, FAR);
+            search.second[i] = select((p < 0.0) & (slope(w, p, q) < 0.0), w, FAR);
+        }
+        search
+    }
+
+    /// Whether lane i has neither arrived at a root nor gone infinitely far.
+    fn is_open(&self, i: usize) -> bool {
+        (self.last_step[i].abs() > Search::TOLERANCE) & (self.s[i] < FAR)
+    }
+
+    fn is_running(&self) -> bool {
+        (0..LANES).fold(false, |running, i| running | self.is_open(i))
+    }
+
+    /// One step of each lane that is open, without branches, so that it vectorises.
+    fn step(&mut self, rays: &Rays) {
+        for i in 0..LANES {
+            let (s, p, q, r) = (self.s[i], rays.p[i], rays.q[i], rays.r[i]);
+            let slope = slope(s, p, q);
+            let step = (((s * s + p) * s + q) * s + r) / slope;
+            let lost = (slope >= 0.0) | (s - step > self.limit[i]);
+            let open = self.is_open(i);
+            let next = select(lost, self.second[i], s - step);
+            self.s[i] = select(open, next, s);
+            let step = select(lost, FAR, step);
+            self.last_step[i] = select(open, step, self.last_step[i]);
+            self.limit[i] = select(open & lost, FAR, self.limit[i]);
+            self.second[i] = select(open & lost, FAR, self.second[i]);
+        }
+    }
+}
+
+fn select(condition: bool, yes: f64, no: f64) -> f64 {
+    if condition { yes } else { no }
+}
+
+/// G'(s).
+fn slope(s: f64, p: f64, q: f64) -> f64 {
+    (4.0 * s * s + 2.0 * p) * s + q
+}
+
+// ---- Encoding ------------------------------------------------------------------------------------
 
 /// Appends one frame as a terminal is to read it: home, then each row behind its newline.
 ///
@@ -461,9 +707,7 @@ fn encode(framebuffer: &[u8], width: usize, color: &str, out: &mut Vec<u8>) {
     }
 }
 
-// ---------------------------------------------------------------------------------------------
-// Terminal
-// ---------------------------------------------------------------------------------------------
+// ---- Terminal ------------------------------------------------------------------------------------
 
 /// The terminal while the donut has it: alternate screen, no cursor. Dropping it gives it back.
 struct Screen;
@@ -510,12 +754,62 @@ fn unbuffered_stdout() -> io::Result<File> {
     Ok(File::from(handle))
 }
 
-// ---------------------------------------------------------------------------------------------
-// Loop
-// ---------------------------------------------------------------------------------------------
+// ---- Loop ----------------------------------------------------------------------------------------
+
+/// The angles A and B, frame after frame.
+///
+/// The exact clock counts: it is at `origin + frames * spin`. donut.c's adds to a `float` each frame,
+/// so that its origin moves along.
+struct Clock {
+    origin: [f64; 2],
+    frames: u64,
+    spin: [f64; 2],
+}
+
+impl Clock {
+    fn angles(&self) -> [f64; 2] {
+        [0, 1].map(|i| self.origin[i] + self.frames as f64 * self.spin[i])
+    }
+
+    /// donut.c's next angles.
+    fn next_floats(&self) -> [f64; 2] {
+        let angles = self.angles();
+        [0, 1].map(|i| advance(angles[i] as f32, self.spin[i]).into())
+    }
+
+    /// Whether floats still follow the spin, to a tenth.
+    ///
+    /// From 2^17 radians, which A reaches at frame 3,345,245, they turn steps of 0.04 into 0.047;
+    /// at 2^20, from frame 22,918,663, they stand still.
+    fn floats_follow(&self) -> bool {
+        let (angles, next) = (self.angles(), self.next_floats());
+        let error = |i: usize| next[i] - angles[i] - self.spin[i];
+        (0..2).all(|i| error(i).abs() <= 0.1 * self.spin[i].abs())
+    }
+
+    fn tick(&mut self, method: Method) {
+        if method == Method::Classic {
+            (self.origin, self.frames) = (self.next_floats(), 0);
+        } else {
+            self.frames += 1;
+        }
+    }
+}
+
+impl Method {
+    /// What `auto` comes to for this picture.
+    fn choose(self, camera: &Camera, clock: &Clock) -> Method {
+        match self {
+            Method::Auto if *camera != Camera::DONUT_C => Method::Exact,
+            Method::Auto if clock.floats_follow() => Method::Classic,
+            Method::Auto => Method::Exact,
+            chosen => chosen,
+        }
+    }
+}
 
 /// Shows frame after frame until there are enough, somebody says stop, or nobody reads any more.
-fn run(options: &Options) -> io::Result<()> {
+fn run(options: &Options, scene: Scene) -> io::Result<()> {
     let (stop, stopped) = channel();
     let (mut width, mut height) = (80, 22);
     let _screen = if io::stdout().is_terminal() {
@@ -530,7 +824,13 @@ fn run(options: &Options) -> io::Result<()> {
     };
     let width = usize::from(options.width.unwrap_or(width));
     let height = usize::from(options.height.unwrap_or(height));
-    let mut renderer = Renderer::new(Camera::new(width, height, options.aspect));
+    let camera = Camera::new(width, height, options.aspect, &scene);
+    let mut renderer = Renderer::new(scene, camera, options.method);
+    let mut clock = Clock {
+        origin: [options.a, options.b],
+        frames: 0,
+        spin: options.spin,
+    };
 
     let mut color = String::new();
     if let Some(foreground) = options.color {
@@ -540,10 +840,14 @@ fn run(options: &Options) -> io::Result<()> {
     let mut stdout = unbuffered_stdout()?;
     let mut out = b"\x1b[2J".to_vec();
 
-    // An fps of 0 has no interval: every frame is due at once.
-    let interval = Duration::try_from_secs_f64(1.0 / options.fps).unwrap_or_default();
+    // At 0 every frame is due at once; 31 years are as good as any longer time.
+    let seconds = if options.fps > 0.0 {
+        (1.0 / options.fps).min(1e9)
+    } else {
+        0.0
+    };
+    let interval = Duration::from_secs_f64(seconds);
     let mut due = Instant::now();
-    let (mut a, mut b) = (options.a as f32, options.b as f32);
     let mut frame = 0;
     while options.frames != Some(frame) {
         // Absolute deadlines do not drift; after a stall it goes on from now, without a burst.
@@ -552,13 +856,19 @@ fn run(options: &Options) -> io::Result<()> {
         if stopped.recv_timeout(due - now) != Err(RecvTimeoutError::Timeout) {
             break;
         }
+        let [a, b] = clock.angles();
+        renderer.method = options.method.choose(&camera, &clock);
         renderer.render_frame(a, b);
         encode(&renderer.framebuffer, width, &color, &mut out);
         stdout.write_all(&out)?;
         out.clear();
-        (a, b) = (advance(a, options.spin.0), advance(b, options.spin.1));
+        clock.tick(renderer.method);
         frame += 1;
         due += interval;
     }
     Ok(())
 }
+
+#[cfg(test)]
+#[path = "../tests/unit/mod.rs"]
+mod tests;

@@ -28,6 +28,13 @@ fn frames(stream: &[u8]) -> Vec<String> {
     stream.split("\x1b[H").map(String::from).collect()
 }
 
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
 /// Compares a frame with the one stored, and shows both where they differ.
 fn assert_golden(name: &str, frame: &str) {
     let path = format!("{}/tests/golden/{name}.txt", env!("CARGO_MANIFEST_DIR"));
@@ -50,11 +57,7 @@ fn the_first_10000_frames_have_donut_cs_hash() {
     let stream = donut(&["--frames=10000", "--fps=0"]);
     // sha256 of donut.c's output, compiled by gcc -std=gnu89 -O2 on x86-64, after `ESC [ 2 J`.
     let expected = "351752a14d2a6de405e84f614d4011f429dc0350d84a4b233d52b7aecae65ff8";
-    let hash: String = Sha256::digest(&stream[4..])
-        .iter()
-        .map(|b| format!("{b:02x}"))
-        .collect();
-    assert_eq!(hash, expected);
+    assert_eq!(sha256(&stream[4..]), expected);
 }
 
 #[test]
@@ -64,4 +67,43 @@ fn classic_is_as_it_was_at_other_sizes() {
         let stream = donut(&[&pose[..], &["--width", width, "--height", height]].concat());
         assert_golden(&format!("classic-{width}x{height}"), &frames(&stream)[0]);
     }
+}
+
+#[test]
+fn exact_is_as_it_was() {
+    for (width, height) in [("80", "22"), ("120", "36"), ("200", "60")] {
+        let pose = ["--method=exact", "-A=1", "-B=0.5", "--frames=1"];
+        let stream = donut(&[&pose[..], &["--width", width, "--height", height]].concat());
+        assert_golden(&format!("exact-{width}x{height}"), &frames(&stream)[0]);
+    }
+}
+
+/// The one hash stands for debug and release builds, and for every machine.
+#[test]
+fn the_first_300_frames_of_exact_have_the_same_hash_in_every_build() {
+    let stream = donut(&["--method=exact", "--frames=300", "--fps=0"]);
+    let expected = "8b67a629f8c5cd2b925ecaeda45caa26b8c7c048c7afec7875ced76d4e16f166";
+    assert_eq!(sha256(&stream), expected);
+}
+
+#[test]
+fn auto_is_classic_at_donut_cs_size_and_exact_elsewhere() {
+    let size = ["--width=120", "--height=36", "--frames=20", "--fps=0"];
+    let exact = [&size[..], &["--method=exact"]].concat();
+    assert!(donut(&size) == donut(&exact));
+    let own = ["--frames=20", "--fps=0"];
+    let classic = [&own[..], &["--method=classic"]].concat();
+    assert!(donut(&own) == donut(&classic));
+}
+
+#[test]
+fn classic_freezes_where_donut_c_does_and_exact_does_not() {
+    let late = ["-A=1048560", "-B=524280", "--frames=260", "--fps=0"];
+    let last_change = |method: &str| {
+        let frames = frames(&donut(&[&late[..], &["--method", method]].concat()));
+        (1..260).rfind(|&n| frames[n] != frames[n - 1])
+    };
+    assert_eq!(last_change("classic"), Some(256));
+    assert_eq!(last_change("exact"), Some(259));
+    assert_eq!(last_change("auto"), Some(259));
 }

@@ -1,0 +1,94 @@
+use super::*;
+
+const FROZEN: u64 = 22_918_663;
+
+fn clock(a: f64, b: f64) -> Clock {
+    Clock {
+        origin: [a, b],
+        frames: 0,
+        spin: [0.04, 0.02],
+    }
+}
+
+#[test]
+fn the_exact_clock_still_turns_right_after_2_to_the_40_frames() {
+    for (frames, error) in [
+        (0, 1e-9),
+        (1_000_000, 1e-9),
+        (FROZEN, 1e-9),
+        (1 << 40, 1e-5),
+    ] {
+        let mut clock = Clock {
+            frames,
+            ..clock(0.0, 0.0)
+        };
+        let [a, b] = clock.angles();
+        clock.tick(Method::Exact);
+        let [next_a, next_b] = clock.angles();
+        assert!((next_a - a - 0.04).abs() < error && (next_b - b - 0.02).abs() < error);
+
+        let camera = fitted(100, 30);
+        let picture = draw(Method::Exact, Scene::DONUT_C, camera, a, b);
+        assert_ne!(
+            picture,
+            draw(Method::Exact, Scene::DONUT_C, camera, next_a, next_b)
+        );
+        let mut tally = Tally::default();
+        tally.add(&Oracle::new(1.0, 2.0, 5.0, a, b), &camera, &picture);
+        tally.assert_right();
+    }
+}
+
+#[test]
+fn donut_cs_clock_stands_still_from_frame_22_918_663() {
+    let mut clock = clock(0.0, 0.0);
+    let last_move = (1..).find(|_| {
+        let before = clock.angles();
+        clock.tick(Method::Classic);
+        clock.angles() == before
+    });
+    assert_eq!(
+        (last_move, clock.angles()),
+        (Some(FROZEN + 1), [1_048_576.0, 524_288.0])
+    );
+}
+
+#[test]
+fn auto_hands_over_at_frame_3_345_245_and_nothing_jumps() {
+    let mut clock = clock(0.0, 0.0);
+    for _ in 0..3_345_245 {
+        assert!(Method::Auto.choose(&Camera::DONUT_C, &clock) == Method::Classic);
+        clock.tick(Method::Classic);
+    }
+    assert!(Method::Auto.choose(&Camera::DONUT_C, &clock) == Method::Exact);
+    let [a, b] = clock.angles();
+    clock.tick(Method::Exact);
+    let [next_a, next_b] = clock.angles();
+    assert!((next_a - a - 0.04).abs() < 1e-9 && (next_b - b - 0.02).abs() < 1e-9);
+}
+
+#[test]
+fn auto_is_exact_where_floats_cannot_follow_the_spin() {
+    for (a, spin) in [(1_048_560.0, 0.04), (1.0, 1e-9), (1.0, -1e-9)] {
+        let clock = Clock {
+            spin: [spin, 0.0],
+            ..clock(a, 0.0)
+        };
+        assert!(Method::Auto.choose(&Camera::DONUT_C, &clock) == Method::Exact);
+    }
+}
+
+#[test]
+fn auto_is_exact_at_every_size_and_scene_but_donut_cs() {
+    let other = Scene { r2: 2.0, k2: 6.0 };
+    let cameras = [
+        fitted(81, 22),
+        fitted(80, 23),
+        Camera::new(80, 22, 1.9, &Scene::DONUT_C),
+        Camera::new(80, 22, 2.0, &other),
+    ];
+    for camera in cameras {
+        assert!(Method::Auto.choose(&camera, &clock(0.0, 0.0)) == Method::Exact);
+    }
+    assert!(Method::Auto.choose(&fitted(80, 22), &clock(0.0, 0.0)) == Method::Classic);
+}

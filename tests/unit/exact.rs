@@ -1,0 +1,368 @@
+use super::*;
+use oracle::dot;
+use proptest::prelude::*;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// Numbers in 0..1 that are the same in every run.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+}
+
+/// What `exact` sees along (dx, dy, 1): 8 L, or nothing.
+fn look(scene: &Scene, axis: &[f64; 3], dx: f64, dy: f64) -> Option<f64> {
+    let rays = Rays::cast(&[dx; LANES], dy, scene, axis);
+    let hits = rays.first_hits();
+    assert!(hits.iter().all(|s| !s.is_nan()));
+    let luminance = rays.luminance(&hits, scene, axis)[0];
+    hits[0].is_finite().then_some(luminance)
+}
+
+fn axis(a: f64, b: f64) -> [f64; 3] {
+    [a.sin() * b.sin(), -a.sin() * b.cos(), a.cos()]
+}
+
+/// Draws poses of a scene and compares every cell with the oracle.
+fn compare(r1: f64, r2: f64, k2: f64, camera: Camera, poses: &[(f64, f64)]) -> Tally {
+    let scene = Scene {
+        r2: r2 / r1,
+        k2: k2 / r1,
+    };
+    let mut renderer = Renderer::new(scene, camera, Method::Exact);
+    let mut tally = Tally::default();
+    for &(a, b) in poses {
+        renderer.render_frame(a, b);
+        tally.add(
+            &Oracle::new(r1, r2, k2, a, b),
+            &camera,
+            &renderer.framebuffer,
+        );
+    }
+    tally
+}
+
+/// Every 61st of donut.c's own poses.
+fn own_poses(count: usize) -> Vec<(f64, f64)> {
+    (0..count)
+        .map(|n| (2.44 * n as f64, 1.22 * n as f64))
+        .collect()
+}
+
+#[test]
+fn a_million_random_rays_see_what_the_oracle_sees() {
+    let mut random = Random(2006);
+    let mut tally = Tally::default();
+    for _ in 0..1000 {
+        let (a, b) = (random.between(-10.0, 10.0), random.between(-10.0, 10.0));
+        let oracle = Oracle::new(1.0, 2.0, 5.0, a, b);
+        for _ in 0..1000 {
+            // Just beyond the limb, which is seen under 0.75.
+            let (dx, dy) = (random.between(-0.76, 0.76), random.between(-0.76, 0.76));
+            let seen = look(&Scene::DONUT_C, &axis(a, b), dx, dy);
+            let drawn = seen.map(|luminance| luminance.max(0.0) as usize);
+            tally.surface += usize::from(drawn.is_some());
+            tally.count(oracle.judge(dx, dy, drawn));
+        }
+    }
+    tally.assert_right();
+}
+
+#[test]
+fn sixty_poses_at_six_sizes_have_no_wrong_cell() {
+    for (width, height) in [
+        (40, 12),
+        (80, 22),
+        (100, 37),
+        (132, 43),
+        (160, 44),
+        (320, 88),
+    ] {
+        compare(1.0, 2.0, 5.0, fitted(width, height), &own_poses(60)).assert_right();
+    }
+}
+
+#[test]
+fn cells_where_other_methods_fail_are_right() {
+    // Frame of donut.c at 80x22, cell, and the level there (0 to 11, or nothing).
+    let cells = [
+        (0, 33, 2, None),      // inked by a splat, which any touch of the cell inks
+        (0, 33, 7, Some(3)),   // 5 with a splat, whose nearest sample is at the cell's edge
+        (0, 38, 2, Some(11)),  // blank with 16 steps of sphere tracing, which graze on
+        (6, 24, 5, None),      // inked by sphere tracing, which passes within its tolerance
+        (53, 41, 13, Some(0)), // 4 with sphere tracing, which stops on the near limb
+        (0, 36, 9, Some(0)),   // blank with 12 Newton steps on the distance, not convex in the hole
+        (38, 32, 9, Some(7)),  // 5 with Ferrari's formula in f32, nearly biquadratic
+        (39, 32, 8, Some(8)),  // 0 with Ferrari's formula polished: a bad root gets worse
+        (9, 39, 6, Some(1)),   // a hole with Ferrari's formula in f32
+        (38, 54, 19, Some(1)), // 2 with a closed form that switches at fixed thresholds
+    ];
+    for (frame, column, row, expected) in cells {
+        let (a, b) = (0.04 * f64::from(frame), 0.02 * f64::from(frame));
+        let framebuffer = draw(Method::Exact, Scene::DONUT_C, Camera::DONUT_C, a, b);
+        let drawn = level(framebuffer[80 * row + column]);
+        let (dx, dy) = direction(&Camera::DONUT_C, column as f64 + 0.5, row as f64 + 0.5);
+        let verdict = Oracle::new(1.0, 2.0, 5.0, a, b).judge(dx, dy, drawn);
+        assert_eq!(
+            (drawn, verdict),
+            (expected, Verdict::Right),
+            "frame {frame} ({column}, {row})"
+        );
+    }
+}
+
+#[test]
+fn a_luminance_on_the_border_of_two_glyphs_falls_on_the_right_side() {
+    let (column, row) = (298, 174);
+    let framebuffer = draw(Method::Exact, Scene::DONUT_C, enlarged(8), 41.48, 20.74);
+    assert_eq!(level(framebuffer[640 * row + column]), Some(1));
+}
+
+#[test]
+fn a_flat_left_valley_does_not_hide_the_right_one() {
+    // A Newton step from the left valley jumps far beyond the right one here.
+    let (a, b) = (4.309330, 2.323927);
+    let (dx, dy) = direction(&enlarged(15), 482.225, 170.230);
+    let seen = look(&Scene::DONUT_C, &axis(a, b), dx, dy).expect("a hit");
+    let truth = Oracle::new(1.0, 2.0, 5.0, a, b).look(dx, dy).unwrap();
+    assert!((seen - truth).abs() < 1e-9, "{seen} {truth}");
+}
+
+#[test]
+fn edge_on_and_a_hair_off_it_no_cell_is_wrong() {
+    for camera in [enlarged(1), enlarged(4)] {
+        let mut poses = vec![(FRAC_PI_2, 0.0)];
+        for exponent in [3, 4, 5, 6, 7, 8, 9, 10, 11, 12] {
+            let hair = 10_f64.powi(-exponent);
+            for b in [0.0, FRAC_PI_2, 0.7] {
+                poses.extend([(FRAC_PI_2 + hair, b), (FRAC_PI_2 - hair, b)]);
+            }
+        }
+        compare(1.0, 2.0, 5.0, camera, &poses).assert_right();
+    }
+}
+
+#[test]
+fn multiples_of_an_eighth_turn_have_no_wrong_cell() {
+    let turns = |n: usize| ((n / 8) as f64 * FRAC_PI_4, (n % 8) as f64 * FRAC_PI_4);
+    let poses: Vec<_> = (0..64).map(turns).collect();
+    compare(1.0, 2.0, 5.0, Camera::DONUT_C, &poses).assert_right();
+    compare(1.0, 2.0, 5.0, fitted(101, 30), &poses).assert_right();
+}
+
+#[test]
+fn a_ray_in_the_plane_of_the_ring_hits_the_outer_equator() {
+    // Exactly edge-on z0, uz and q are 0, and G has two equal valleys.
+    for (dx, luminance) in [
+        (0.0, 8.0),
+        (
+            0.3,
+            look(&Scene::DONUT_C, &axis(FRAC_PI_2, 0.0), 0.3, 0.0).unwrap(),
+        ),
+    ] {
+        let seen = look(&Scene::DONUT_C, &[0.0, -1.0, 0.0], dx, 0.0).unwrap();
+        assert!((seen - luminance).abs() < 1e-12, "{seen} {luminance}");
+    }
+}
+
+#[test]
+fn rays_that_touch_the_bounding_sphere_do_no_harm() {
+    let limb = Scene::DONUT_C.limb();
+    for n in 0..1000 {
+        let (sin, cos) = (0.01 * f64::from(n)).sin_cos();
+        for limb in [limb, limb * (1.0 + 1e-15), limb * (1.0 - 1e-15)] {
+            let seen = look(&Scene::DONUT_C, &axis(1.0, 0.5), limb * cos, limb * sin);
+            assert!(seen.is_none_or(f64::is_finite));
+        }
+    }
+    // In the plane of the ring it touches the torus itself, and may hit or miss.
+    let seen = look(&Scene::DONUT_C, &[0.0, -1.0, 0.0], limb, 0.0);
+    assert!(seen.is_none_or(f64::is_finite));
+}
+
+#[test]
+fn far_near_thin_closed_large_and_tiny_scenes_have_no_wrong_cell() {
+    for (r1, r2, k2) in [
+        (1.0, 2.0, 50.0),
+        (1.0, 2.0, 5e3),
+        (1.0, 2.0, 1e6),
+        (1.0, 2.0, 3.0001),
+        (0.05, 2.0, 5.0),
+        (0.002, 2.0, 5.0),
+        (1.999, 2.0, 5.0),
+        (1.999_999, 2.0, 5.0),
+        (300.0, 700.0, 2000.0),
+        (0.01, 0.02, 0.05),
+    ] {
+        println!("R1 {r1}, R2 {r2}, K2 {k2}");
+        let scene = Scene {
+            r2: r2 / r1,
+            k2: k2 / r1,
+        };
+        let camera = Camera::new(160, 44, 2.0, &scene);
+        compare(r1, r2, k2, camera, &own_poses(20)).assert_right();
+    }
+}
+
+#[test]
+fn no_size_from_1x1_to_1280x352_has_holes_or_shows_the_far_wall() {
+    let mut tally = Tally::default();
+    let small = (1..=40).flat_map(|width| (1..=20).map(move |height| (width, height)));
+    let large = [
+        (79, 22),
+        (81, 23),
+        (200, 60),
+        (300, 20),
+        (30, 200),
+        (640, 176),
+        (1280, 352),
+    ];
+    for (n, (width, height)) in small.chain(large).enumerate() {
+        let camera = fitted(width, height);
+        let (a, b) = (0.7 * n as f64, 0.3 * n as f64);
+        let framebuffer = draw(Method::Exact, Scene::DONUT_C, camera, a, b);
+        tally.add(&Oracle::new(1.0, 2.0, 5.0, a, b), &camera, &framebuffer);
+    }
+    tally.assert_right();
+}
+
+#[test]
+fn pictures_of_one_row_or_one_column_are_blank() {
+    for (width, height) in [(1, 1), (1, 2), (2, 1), (1, 4096), (4096, 1)] {
+        for method in [Method::Exact, Method::Classic] {
+            let framebuffer = draw(method, Scene::DONUT_C, fitted(width, height), 1.0, 1.0);
+            assert!(
+                framebuffer.iter().all(|&cell| cell == b' '),
+                "{width}x{height}"
+            );
+        }
+    }
+}
+
+#[test]
+fn upright_it_is_its_own_mirror_image() {
+    for camera in [enlarged(1), enlarged(4), fitted(101, 30), fitted(200, 61)] {
+        let framebuffer = draw(Method::Exact, Scene::DONUT_C, camera, 0.0, 0.0);
+        let across = 2.0 * camera.cx - 1.0;
+        for row in framebuffer.chunks(camera.width) {
+            for column in 1..camera.width {
+                let mirrored = (across - column as f64) as usize;
+                assert_eq!(row[column], row.get(mirrored).copied().unwrap_or(b' '));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_third_turn_changes_nothing_that_is_seen() {
+    // torus.cpp turns about y, x and z, at three speeds.
+    for time in [0.3, 1.0, 2.5, 7.0, 31.0] {
+        let turn = |[x, y]: [f64; 2], angle: f64| {
+            let (sin, cos) = f64::sin_cos(angle);
+            [x * cos - y * sin, x * sin + y * cos]
+        };
+        let frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|[x, y, z]| {
+            let [z, x] = turn([z, x], time);
+            let [y, z] = turn([y, z], 1.13 * time);
+            let [x, y] = turn([x, y], 1.74 * time);
+            [x, y, z]
+        });
+        let [x, y, z] = frame[2];
+        assert!((dot(frame[2], frame[2]) - 1.0).abs() < 1e-12);
+        let (a, b) = (z.acos(), f64::atan2(x, -y));
+        let framebuffer = draw(Method::Exact, Scene::DONUT_C, fitted(120, 40), a, b);
+        let mut tally = Tally::default();
+        tally.add(
+            &Oracle {
+                r1: 1.0,
+                r2: 2.0,
+                k2: 5.0,
+                frame,
+            },
+            &fitted(120, 40),
+            &framebuffer,
+        );
+        tally.assert_right();
+    }
+}
+
+#[test]
+fn newton_never_takes_more_than_32_steps() {
+    let mut random = Random(1974);
+    let mut most = 0;
+    for _ in 0..500_000 {
+        let axis = axis(random.between(0.0, 7.0), random.between(0.0, 7.0));
+        let dx = [(); LANES].map(|_| random.between(-0.75, 0.75));
+        let rays = Rays::cast(&dx, random.between(-0.75, 0.75), &Scene::DONUT_C, &axis);
+        let mut search = Search::new(&rays);
+        let mut steps = 0;
+        while search.is_running() {
+            search.step(&rays);
+            steps += 1;
+        }
+        most = most.max(steps);
+    }
+    println!("at most {most} steps");
+    assert!(most <= Search::MOST_STEPS);
+}
+
+#[test]
+fn no_pose_is_cut_off_and_the_donut_is_as_large_as_it_can_be() {
+    for (r2, k2) in [(2.0, 6.0), (2.0, 3.01), (1.001, 50.0), (40.0, 100.0)] {
+        for (width, height) in [(2, 2), (3, 9), (79, 22), (80, 22), (300, 20), (30, 90)] {
+            let camera = Camera::new(width, height, 2.0, &Scene { r2, k2 });
+            let sees = |a, b, x, y| {
+                let (dx, dy) = direction(&camera, x, y);
+                Oracle::new(1.0, r2, k2, a, b).look(dx, dy).is_some()
+            };
+            // Round the edge of what is shown, and a little further.
+            let (w, h) = (width as f64, height as f64);
+            let (left, right, top, bottom) = (0.999, w + 0.001, 0.999, h + 0.001);
+            for (a, b) in own_poses(12) {
+                for n in 0..=100 {
+                    let (x, y) = (w * f64::from(n) / 100.0, h * f64::from(n) / 100.0);
+                    assert!(
+                        !sees(a, b, left, y) && !sees(a, b, right, y),
+                        "{width}x{height}"
+                    );
+                    assert!(
+                        !sees(a, b, x, top) && !sees(a, b, x, bottom),
+                        "{width}x{height}"
+                    );
+                }
+            }
+            // Edge-on it just reaches two sides, lying or upright.
+            let inside = 0.001 * (w + h);
+            let lying = sees(FRAC_PI_2, 0.0, 1.0 + inside, camera.cy);
+            let upright = sees(FRAC_PI_2, FRAC_PI_2, camera.cx, 1.0 + inside);
+            assert!(lying || upright, "{width}x{height}");
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn anywhere_in_the_domain_of_the_options_the_picture_is_right(
+        (width, height) in (1_usize..70, 1_usize..40),
+        aspect in 0.1..=10.0,
+        (a, b) in (-1e9..=1e9, -1e9..=1e9),
+        r2 in (0.0..3.0_f64).prop_map(|exponent| 1.000_001 * 10_f64.powf(exponent)),
+        beyond in (-6.0..6.0_f64).prop_map(|exponent| 10_f64.powf(exponent)),
+        unit in (-3.0..3.0_f64).prop_map(|exponent| 10_f64.powf(exponent)),
+    ) {
+        let k2 = 1.0 + r2 + beyond;
+        let camera = Camera::new(width, height, aspect, &Scene { r2, k2 });
+        let tally = compare(unit, unit * r2, unit * k2, camera, &[(a, b)]);
+        prop_assert_eq!(tally.wrong(), 0, "{:?}", tally);
+    }
+}

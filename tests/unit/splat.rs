@@ -1,0 +1,106 @@
+use super::*;
+
+/// Cells that show something for one frame only, going back to what they were, each frame.
+fn flicker(method: Method) -> f64 {
+    let mut renderer = Renderer::new(Scene::DONUT_C, Camera::DONUT_C, method);
+    let pictures: Vec<_> = (0..600)
+        .map(|n| {
+            renderer.render_frame(0.04 * n as f64, 0.02 * n as f64);
+            renderer.framebuffer.clone()
+        })
+        .collect();
+    let back = |w: &[Vec<u8>]| {
+        (0..1760)
+            .filter(|&i| w[0][i] == w[2][i] && w[0][i] != w[1][i])
+            .count()
+    };
+    pictures.windows(3).map(back).sum::<usize>() as f64 / 598.0
+}
+
+#[test]
+fn exact_hardly_flickers_where_classic_shimmers() {
+    let (classic, exact) = (flicker(Method::Classic), flicker(Method::Exact));
+    println!("classic {classic}, exact {exact}");
+    assert!(
+        (16.0..20.0).contains(&classic) && exact <= 1.0,
+        "classic {classic}, exact {exact}"
+    );
+}
+
+/// The share of a splat's cells that are wrong, over twelve poses, with its steps divided by `finer`.
+fn wrong_share(camera: Camera, finer: f64) -> f64 {
+    let mut splat = Splat::new(&camera);
+    (splat.theta, splat.phi) = (Turn::new(0.07 / finer), Turn::new(0.02 / finer));
+    splat.ring = Ring::new(splat.phi.sin.len());
+    let mut tally = Tally::default();
+    for n in (0..).step_by(61).take(12) {
+        let (a, b) = (0.04 * n as f64, 0.02 * n as f64);
+        let mut framebuffer = vec![b' '; camera.width * camera.height];
+        splat.draw(a as f32, b as f32, &camera, &mut framebuffer);
+        tally.add(&Oracle::new(1.0, 2.0, 5.0, a, b), &camera, &framebuffer);
+    }
+    tally.wrong() as f64 / tally.surface as f64
+}
+
+#[test]
+fn a_finer_splat_is_further_from_the_truth() {
+    let (own, finer) = (
+        wrong_share(Camera::DONUT_C, 1.0),
+        wrong_share(Camera::DONUT_C, 4.0),
+    );
+    println!("{own} {finer}");
+    assert!(own > 0.4 && finer > own + 0.04, "{own} {finer}");
+}
+
+#[test]
+fn the_steps_shrink_with_the_size_or_the_far_wall_shows_through() {
+    let camera = enlarged(4);
+    let oracle = Oracle::new(1.0, 2.0, 5.0, std::f64::consts::FRAC_PI_2, 0.0);
+    let far_wall = |splat: &mut Splat| {
+        let mut framebuffer = vec![b' '; camera.width * camera.height];
+        splat.draw(std::f32::consts::FRAC_PI_2, 0.0, &camera, &mut framebuffer);
+        let mut tally = Tally::default();
+        let mut through = 0;
+        for row in 1..camera.height {
+            for column in 1..camera.width {
+                let (dx, dy) = direction(&camera, column as f64 + 0.5, row as f64 + 0.5);
+                let drawn = level(framebuffer[row * camera.width + column]);
+                tally.count(oracle.judge(dx, dy, drawn));
+                let truth = oracle
+                    .look(dx, dy)
+                    .map(|luminance| luminance.max(0.0) as usize);
+                through +=
+                    usize::from(matches!((drawn, truth), (Some(d), Some(t)) if d.abs_diff(t) > 1));
+            }
+        }
+        (tally.holes, through)
+    };
+    let mut splat = Splat::new(&camera);
+    let shrunk = far_wall(&mut splat);
+    (splat.theta, splat.phi) = (Turn::new(0.07), Turn::new(0.02));
+    splat.ring = Ring::new(splat.phi.sin.len());
+    let fixed = far_wall(&mut splat);
+    println!("holes and see-through: {shrunk:?}, with fixed steps {fixed:?}");
+    assert!(shrunk.0 == 0 && shrunk.1 < 100, "{shrunk:?}");
+    assert!(fixed.0 > 50 && fixed.1 > 3000, "{fixed:?}");
+}
+
+#[test]
+fn truncating_is_the_cast_of_c() {
+    for value in [
+        0.0_f32,
+        0.3,
+        0.5,
+        0.999_999_94,
+        1.0,
+        1.5,
+        2.5,
+        39.999_996,
+        40.0,
+        41.0,
+        4_095.999_8,
+        4096.0,
+    ] {
+        assert_eq!(truncate(value), value as i32, "{value}");
+    }
+}
