@@ -26,29 +26,41 @@
 //! (the article turns other ways, draws larger, and has y upwards) donut.c wins.
 
 use std::f64::consts::TAU;
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
+use std::ops::RangeInclusive;
 #[cfg(unix)]
 use std::os::fd::AsFd;
 #[cfg(windows)]
 use std::os::windows::io::AsHandle;
-use std::process::ExitCode;
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::process::{self, ExitCode};
+use std::str::FromStr;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
-use std::{fmt::Display, ops::RangeInclusive, panic, str::FromStr};
+use std::{env, panic, thread};
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, ValueEnum};
-use crossterm::cursor::{Hide, Show};
+use crossterm::cursor::{Hide, Show as ShowCursor};
+use crossterm::event::{self, Event, KeyCode, KeyModifiers};
 use crossterm::execute;
 use crossterm::style::{self, Color, SetForegroundColor};
-use crossterm::terminal::{self, EnterAlternateScreen, LeaveAlternateScreen};
+use crossterm::terminal::{
+    self, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
+};
+#[cfg(unix)]
+use signal_hook::{
+    consts::{SIGSTOP, SIGTSTP},
+    iterator::Signals,
+    low_level,
+};
 
 // ---- Options -------------------------------------------------------------------------------------
 
 /// A spinning ASCII donut: donut.c, byte for byte, and right in every cell at every other size.
 ///
-/// On a terminal the donut fills the screen until Ctrl-C. Into a pipe or a file go donut.c's own
+/// On a terminal the donut fills the screen until q is pressed. Into a pipe or a file go donut.c's own
 /// bytes, paced by --fps.
 #[derive(Parser)]
 #[command(version, after_help = EXAMPLES)]
@@ -108,7 +120,10 @@ struct Options {
 
 const EXAMPLES: &str = "\
 Keys:
-  Ctrl-C  quit
+  q, Esc, Ctrl-C  quit
+  p               pause, and go on
+  space           shading off, and on
+  Ctrl-Z          suspend
 
 Examples:
   donut -A 1 -B 1 --spin 0.08,0.03 --color cyan
@@ -690,50 +705,188 @@ fn slope(s: f64, p: f64, q: f64) -> f64 {
 
 // ---- Encoding ------------------------------------------------------------------------------------
 
-/// Appends one frame as a terminal is to read it: home, then each row behind its newline.
-///
-/// The newline stands for column 0, which the framebuffer leaves empty; `color` is the SGR
-/// sequence to draw in, or empty.
-fn encode(framebuffer: &[u8], width: usize, color: &str, out: &mut Vec<u8>) {
-    out.extend_from_slice(b"\x1b[H");
-    out.extend_from_slice(color.as_bytes());
+/// Where frames go to.
+#[derive(Clone, Copy, PartialEq)]
+enum Output {
+    /// A pipe or a file.
+    Pipe,
+    Terminal,
+    /// A terminal that understands no escapes.
+    DumbTerminal,
+}
+
+/// What a frame's rows are wrapped in.
+struct Wrapping {
+    before: String,
+    /// Goes before each row. It stands for column 0, which the framebuffer leaves empty.
+    newline: &'static str,
+    after: String,
+}
+
+impl Wrapping {
+    /// On a pipe donut.c's; on a terminal what raw mode needs, within a synchronized update so that
+    /// no half frame shows.
+    fn new(output: Output, color: Option<Color>) -> Wrapping {
+        // The option is explicit, and so stronger than NO_COLOR.
+        style::force_color_output(true);
+        let color = color.map(|color| SetForegroundColor(color).to_string());
+        let reset = if color.is_some() { "\x1b[0m" } else { "" };
+        let home = format!("\x1b[H{}", color.unwrap_or_default());
+        let (before, newline, after) = match output {
+            Output::Pipe => (home, "\n", format!("\n{reset}")),
+            Output::Terminal => (
+                format!("\x1b[?2026h{home}"),
+                "\r\n",
+                format!("{reset}\x1b[?2026l"),
+            ),
+            Output::DumbTerminal => (String::new(), "\n", "\n".into()),
+        };
+        Wrapping {
+            before,
+            newline,
+            after,
+        }
+    }
+}
+
+/// Appends a frame to `out`.
+fn encode(framebuffer: &[u8], width: usize, wrapping: &Wrapping, out: &mut Vec<u8>) {
+    out.extend_from_slice(wrapping.before.as_bytes());
     for row in framebuffer.chunks_exact(width) {
-        out.push(b'\n');
+        out.extend_from_slice(wrapping.newline.as_bytes());
         out.extend_from_slice(&row[1..]);
     }
-    out.push(b'\n');
-    if !color.is_empty() {
-        out.extend_from_slice(b"\x1b[0m");
-    }
+    out.extend_from_slice(wrapping.after.as_bytes());
 }
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-/// The terminal while the donut has it: alternate screen, no cursor. Dropping it gives it back.
-struct Screen;
+/// What the loop may be told while it waits for the next frame.
+#[derive(Clone, Copy)]
+enum Command {
+    Quit,
+    Pause,
+    Shade,
+    Suspend,
+    Redraw,
+}
 
-impl Screen {
-    fn enter() -> io::Result<Screen> {
-        // Made before the first escape, so that a failure halfway is undone as well.
-        let screen = Screen;
-        let report = panic::take_hook();
-        panic::set_hook(Box::new(move |panic| {
-            Screen::leave();
-            report(panic);
-        }));
-        execute!(io::stdout(), EnterAlternateScreen, Hide)?;
-        Ok(screen)
-    }
-
-    fn leave() {
-        // Nothing is left to do if the terminal is gone.
-        let _ = execute!(io::stdout(), Show, LeaveAlternateScreen);
+impl Command {
+    fn of(event: &Event) -> Option<Command> {
+        let Event::Key(key) = event else {
+            return event.as_resize_event().map(|_| Command::Redraw);
+        };
+        match (key.code, key.modifiers) {
+            _ if !key.is_press() => None,
+            (KeyCode::Char('c'), KeyModifiers::CONTROL) => Some(Command::Quit),
+            (KeyCode::Char('z'), KeyModifiers::CONTROL) => Some(Command::Suspend),
+            (KeyCode::Char('q') | KeyCode::Esc, KeyModifiers::NONE) => Some(Command::Quit),
+            (KeyCode::Char('p'), KeyModifiers::NONE) => Some(Command::Pause),
+            (KeyCode::Char(' '), KeyModifiers::NONE) => Some(Command::Shade),
+            _ => None,
+        }
     }
 }
 
-impl Drop for Screen {
-    fn drop(&mut self) {
-        Screen::leave();
+/// The terminal while the donut has it.
+#[derive(Clone, Copy)]
+struct Screen {
+    /// Whether there are keys to read, in raw mode.
+    keys: bool,
+    /// Whether the donut has a screen of its own, or stays behind on the one it found.
+    alternate: bool,
+}
+
+impl Screen {
+    /// Takes the terminal, and has whatever happens to it told to the loop.
+    fn open(alternate: bool, tell: &Sender<Command>) -> io::Result<Screen> {
+        // Input comes first, while there is nothing to undo. Without any there are still signals.
+        let keys = io::stdin().is_terminal() && terminal::enable_raw_mode().is_ok();
+        let screen = Screen { keys, alternate };
+        let report = panic::take_hook();
+        panic::set_hook(Box::new(move |panic| {
+            screen.leave();
+            report(panic);
+        }));
+        let opened = screen.hear_signals(tell).and_then(|()| screen.enter());
+        opened.inspect_err(|_| screen.leave())?;
+        if keys {
+            let tell = tell.clone();
+            thread::spawn(move || screen.hear_keys(&tell));
+        }
+        Ok(screen)
+    }
+
+    fn hear_signals(self, tell: &Sender<Command>) -> io::Result<()> {
+        let quit = tell.clone();
+        ctrlc::set_handler(move || self.quit(&quit)).map_err(io::Error::other)?;
+        #[cfg(unix)]
+        {
+            let (suspend, mut stops) = (tell.clone(), Signals::new([SIGTSTP])?);
+            thread::spawn(move || {
+                stops
+                    .forever()
+                    .try_for_each(|_| suspend.send(Command::Suspend))
+            });
+        }
+        Ok(())
+    }
+
+    fn hear_keys(self, tell: &Sender<Command>) {
+        while let Ok(event) = event::read() {
+            // Behind an Esc that was pressed comes nothing; behind one that begins the code of some
+            // other key, and came first over a slow line, comes the rest.
+            let escape = event == Event::Key(KeyCode::Esc.into());
+            if escape && event::poll(Duration::from_millis(20)).unwrap_or_default() {
+                continue;
+            }
+            match Command::of(&event) {
+                Some(Command::Quit) => self.quit(tell),
+                Some(command) => tell.send(command).unwrap_or_default(),
+                None => {}
+            }
+        }
+    }
+
+    /// Stops the loop, or half a second later, if a terminal that does not read holds it up, the
+    /// program.
+    fn quit(self, tell: &Sender<Command>) {
+        let _ = tell.send(Command::Quit);
+        thread::sleep(Duration::from_millis(500));
+        thread::spawn(move || self.leave());
+        thread::sleep(Duration::from_millis(100));
+        process::exit(1);
+    }
+
+    fn enter(self) -> io::Result<()> {
+        if self.keys {
+            terminal::enable_raw_mode()?;
+        }
+        if self.alternate {
+            execute!(io::stdout(), EnterAlternateScreen)?;
+        }
+        execute!(io::stdout(), Hide)
+    }
+
+    /// Gives the terminal back as it was found. It may be gone: then there is nothing left to do.
+    fn leave(self) {
+        if self.keys {
+            let _ = terminal::disable_raw_mode();
+        }
+        let _ = execute!(io::stdout(), EndSynchronizedUpdate, ShowCursor);
+        let _ = if self.alternate {
+            execute!(io::stdout(), LeaveAlternateScreen)
+        } else {
+            io::stdout().write_all(b"\r\n")
+        };
+    }
+
+    /// Hands the terminal to the shell until it says `fg`.
+    fn suspend(self) -> io::Result<()> {
+        self.leave();
+        #[cfg(unix)]
+        low_level::raise(SIGSTOP)?;
+        self.enter()
     }
 }
 
@@ -742,6 +895,18 @@ fn terminal_size() -> (u16, u16) {
     match terminal::size() {
         Ok((columns, rows)) if columns > 0 && rows > 0 => (columns, rows),
         _ => (80, 24),
+    }
+}
+
+impl Output {
+    fn detect() -> Output {
+        if !io::stdout().is_terminal() {
+            Output::Pipe
+        } else if env::var_os("TERM").is_some_and(|term| term == "dumb") {
+            Output::DumbTerminal
+        } else {
+            Output::Terminal
+        }
     }
 }
 
@@ -808,65 +973,138 @@ impl Method {
     }
 }
 
-/// Shows frame after frame until there are enough, somebody says stop, or nobody reads any more.
+/// Clears the screen: before the first frame, and when something else may have been left there.
+const CLEAR: &[u8] = b"\x1b[2J";
+
+/// The donut as it is shown, frame after frame.
+struct Show<'a> {
+    options: &'a Options,
+    scene: Scene,
+    output: Output,
+    screen: Option<Screen>,
+    renderer: Renderer,
+    clock: Clock,
+    wrapping: Wrapping,
+    /// Whether the shading is off: every cell of the donut a dot.
+    flat: bool,
+    stdout: File,
+    /// The bytes to be written next.
+    out: Vec<u8>,
+}
+
+/// Shows the donut until there are frames enough, somebody says stop, or nobody reads any more.
 fn run(options: &Options, scene: Scene) -> io::Result<()> {
-    let (stop, stopped) = channel();
-    let (mut width, mut height) = (80, 22);
-    let _screen = if io::stdout().is_terminal() {
+    let output = Output::detect();
+    let mut show = Show {
+        options,
+        scene,
+        output,
+        screen: None,
+        renderer: Renderer::new(scene, camera(options, &scene, output), options.method),
+        clock: Clock {
+            origin: [options.a, options.b],
+            frames: 0,
+            spin: options.spin,
+        },
+        wrapping: Wrapping::new(output, options.color),
+        flat: false,
+        stdout: unbuffered_stdout()?,
+        out: Vec::new(),
+    };
+    let (tell, told) = channel();
+    match output {
+        Output::DumbTerminal => return show.draw(),
+        Output::Terminal => show.screen = Some(Screen::open(options.frames.is_none(), &tell)?),
+        Output::Pipe => {}
+    }
+    show.play(&told)
+}
+
+/// The camera for the size of the options, clipped to the terminal.
+fn camera(options: &Options, scene: &Scene, output: Output) -> Camera {
+    let (mut width, mut height) = (options.width.unwrap_or(80), options.height.unwrap_or(22));
+    if output != Output::Pipe {
         let (columns, rows) = terminal_size();
-        (width, height) = (columns, rows.saturating_sub(2).max(1));
-        let stop = stop.clone();
-        // The loop may have ended already: then nobody needs to hear it.
-        ctrlc::set_handler(move || stop.send(()).unwrap_or(())).map_err(io::Error::other)?;
-        Some(Screen::enter()?)
-    } else {
-        None
-    };
-    let width = usize::from(options.width.unwrap_or(width));
-    let height = usize::from(options.height.unwrap_or(height));
-    let camera = Camera::new(width, height, options.aspect, &scene);
-    let mut renderer = Renderer::new(scene, camera, options.method);
-    let mut clock = Clock {
-        origin: [options.a, options.b],
-        frames: 0,
-        spin: options.spin,
-    };
-
-    let mut color = String::new();
-    if let Some(foreground) = options.color {
-        style::force_color_output(true);
-        color = SetForegroundColor(foreground).to_string();
+        let rows = rows.saturating_sub(2).max(1);
+        width = options.width.unwrap_or(4096).min(columns);
+        height = options.height.unwrap_or(4096).min(rows);
     }
-    let mut stdout = unbuffered_stdout()?;
-    let mut out = b"\x1b[2J".to_vec();
+    Camera::new(width.into(), height.into(), options.aspect, scene)
+}
 
-    // At 0 every frame is due at once; 31 years are as good as any longer time.
-    let seconds = if options.fps > 0.0 {
-        (1.0 / options.fps).min(1e9)
-    } else {
-        0.0
-    };
-    let interval = Duration::from_secs_f64(seconds);
-    let mut due = Instant::now();
-    let mut frame = 0;
-    while options.frames != Some(frame) {
-        // Absolute deadlines do not drift; after a stall it goes on from now, without a burst.
-        let now = Instant::now();
-        due = due.max(now);
-        if stopped.recv_timeout(due - now) != Err(RecvTimeoutError::Timeout) {
-            break;
+impl Show<'_> {
+    fn play(&mut self, told: &Receiver<Command>) -> io::Result<()> {
+        // At 0 every frame is due at once; 31 years are as good as any longer time.
+        let fps = self.options.fps;
+        let seconds = if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 };
+        let interval = Duration::from_secs_f64(seconds);
+        let mut due = Instant::now();
+        self.out.extend_from_slice(CLEAR);
+        for frame in 0..self.options.frames.unwrap_or(u64::MAX) {
+            if frame > 0 {
+                // Absolute deadlines do not drift; after a stall it goes on from now.
+                due = (due + interval).max(Instant::now());
+                if !self.wait(&mut due, told)? {
+                    break;
+                }
+                self.clock.tick(self.renderer.method);
+            }
+            self.draw()?;
         }
-        let [a, b] = clock.angles();
-        renderer.method = options.method.choose(&camera, &clock);
-        renderer.render_frame(a, b);
-        encode(&renderer.framebuffer, width, &color, &mut out);
-        stdout.write_all(&out)?;
-        out.clear();
-        clock.tick(renderer.method);
-        frame += 1;
-        due += interval;
+        Ok(())
     }
-    Ok(())
+
+    fn draw(&mut self) -> io::Result<()> {
+        let camera = camera(self.options, &self.scene, self.output);
+        if camera != self.renderer.camera {
+            self.renderer = Renderer::new(self.scene, camera, self.options.method);
+            self.out = CLEAR.to_vec();
+        }
+        self.renderer.method = self.options.method.choose(&camera, &self.clock);
+        let [a, b] = self.clock.angles();
+        self.renderer.render_frame(a, b);
+        let framebuffer = &mut self.renderer.framebuffer;
+        if self.flat {
+            let donut = framebuffer.iter_mut().filter(|cell| **cell != b' ');
+            donut.for_each(|cell| *cell = RAMP[0]);
+        }
+        encode(framebuffer, camera.width, &self.wrapping, &mut self.out);
+        self.stdout.write_all(&self.out)?;
+        self.out.clear();
+        Ok(())
+    }
+
+    /// Waits until the next frame is due and obeys meanwhile. False is the end.
+    fn wait(&mut self, due: &mut Instant, told: &Receiver<Command>) -> io::Result<bool> {
+        let mut paused = false;
+        loop {
+            let left = due.saturating_duration_since(Instant::now());
+            match told.recv_timeout(if paused { Duration::MAX } else { left }) {
+                Err(RecvTimeoutError::Timeout) => return Ok(true),
+                Err(RecvTimeoutError::Disconnected) | Ok(Command::Quit) => return Ok(false),
+                Ok(Command::Pause) => {
+                    (paused, *due) = (!paused, Instant::now());
+                    continue;
+                }
+                Ok(Command::Shade) => self.flat = !self.flat,
+                Ok(Command::Redraw) => self.out = CLEAR.to_vec(),
+                Ok(Command::Suspend) => {
+                    self.screen.map_or(Ok(()), Screen::suspend)?;
+                    self.out = CLEAR.to_vec();
+                }
+            }
+            self.draw()?;
+        }
+    }
+}
+
+impl Drop for Show<'_> {
+    fn drop(&mut self) {
+        // A panic gave the terminal back already, to be read on it.
+        if let Some(screen) = self.screen.filter(|_| !thread::panicking()) {
+            screen.leave();
+        }
+    }
 }
 
 #[cfg(test)]

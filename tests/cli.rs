@@ -62,7 +62,8 @@ fn help_tells_options_units_ranges_defaults_keys_and_examples() {
         "1 to 4096",
         "[default: 30]",
         "Keys:",
-        "Ctrl-C",
+        "q, Esc, Ctrl-C",
+        "Ctrl-Z",
         "Examples:",
     ] {
         help = help.stdout(contains(text));

@@ -4,6 +4,8 @@ mod clock;
 mod exact;
 mod oracle;
 mod splat;
+#[cfg(unix)]
+mod terminal;
 
 use super::*;
 use oracle::{Oracle, Verdict};

@@ -1,0 +1,35 @@
+use super::*;
+
+#[path = "../pty/mod.rs"]
+#[allow(dead_code, reason = "tests/terminal.rs uses the rest")]
+mod pty;
+
+use pty::Pty;
+
+#[test]
+#[ignore = "panics on purpose, on the terminal of the test below"]
+fn a_donut_that_falls() {
+    let (tell, _told) = channel();
+    Screen::open(true, &tell).unwrap();
+    panic!("the donut fell");
+}
+
+#[test]
+fn a_panic_restores_the_terminal_and_can_be_read() {
+    let program = env::current_exe().unwrap();
+    let falls = [
+        "--ignored",
+        "--nocapture",
+        "--exact",
+        "tests::terminal::a_donut_that_falls",
+    ];
+    let mut pty = Pty::run(program.to_str().unwrap(), &falls, (80, 100), "xterm");
+    assert_eq!(pty.exit().0, 101);
+    pty.assert_restored();
+    assert!(pty.written().contains("\x1b[?1049h"));
+    assert!(
+        pty.lines().contains(&"the donut fell".to_string()),
+        "{:?}",
+        pty.lines()
+    );
+}
