@@ -1,29 +1,43 @@
-//! donut.c, Andy Sloane's spinning ASCII torus of 2006, byte for byte.
-//!
-//! The whole program, in the order of the data:
+//! donut.c, Andy Sloane's spinning ASCII torus of 2006: byte for byte where donut.c is right, and
+//! right in every cell where it is not.
 //!
 //! ```text
-//! Options -> Camera -> render_frame(a, b) -> framebuffer -> encode -> standard output
+//! Options -> Scene, Camera -> render_frame(a, b) -> framebuffer -> encode -> terminal or pipe
 //! ```
 //!
-//! # Letters
+//! # From the circle to the glyph
 //!
-//! The names are those of the article that explains donut.c,
-//! <https://www.a1k0n.net/2011/07/20/donut-math.html>:
+//! Letters are those of the [article] that explains donut.c, and its arithmetic is that of donut.c
+//! itself; where the two differ (the article turns other ways and has y upwards) donut.c wins. x goes
+//! right, y *down*, z away from the viewer, angles are in radians.
 //!
-//! | letter | what it is |
-//! |---|---|
-//! | R1 | radius of the tube, and the unit of length: 1 |
-//! | R2 | radius of the ring, from the donut's centre to the tube's: 2 |
-//! | K2 | distance from the viewer to the donut's centre: 5 |
-//! | K1 | scale of the projection, in cells; `k1x` across and `k1y` down |
-//! | theta | angle round the tube |
-//! | phi | angle round the ring |
-//! | A, B | the donut's turn about the x axis and the z axis |
+//! A donut is a circle of radius R1 = 1, the tube, that goes round an axis at a distance of R2 = 2,
+//! the ring. Theta goes round the tube; each of its points has a distance h from the axis and a
+//! height f over the plane of the ring. Phi goes round the ring:
 //!
-//! Axes: x to the right, y *down* the screen, z away from the viewer. Angles are in radians.
-//! The names come from the article but the arithmetic from donut.c, and where the two differ
-//! (the article turns other ways, draws larger, and has y upwards) donut.c wins.
+//! ```text
+//! h = R2 + R1 cos theta      point  (h cos phi, h sin phi, f)
+//! f = R1 sin theta           normal (cos theta cos phi, cos theta sin phi, sin theta)
+//! ```
+//!
+//! Turned by A about the x axis and then by B about the z axis, both point and normal become
+//!
+//! ```text
+//! t = h sin phi cos A - f sin A      X = h cos phi cos B - t sin B
+//! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
+//! ```
+//!
+//! The viewer is K2 = 5 away from the centre. What is twice as far looks half as large, so a point
+//! is seen at X / (Z + K2), Y / (Z + K2), times a scale K1 in cells. Many points fall into one cell:
+//! the nearest shows, which has the largest 1 / (Z + K2), kept for each cell in a z-buffer.
+//!
+//! How bright it is, L, is the normal times the light, (0, -1, -1), which comes from above and from
+//! behind the viewer. That light is sqrt 2 long, so that 8 L reaches 11.3: just the twelve glyphs.
+//!
+//! Each frame turns A by 0.04 and B by 0.02. That is donut.c, and [`Splat`]. [`trace`] asks the other
+//! way round: not where each point is seen, but what is seen in each cell, along a ray.
+//!
+//! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
 use std::f64::consts::TAU;
 use std::fmt::Display;
@@ -267,12 +281,10 @@ impl Scene {
     }
 }
 
-/// Where a point of space falls on the screen.
+/// Where on the screen a point is seen: at `x = cx + k1x X / (Z + K2)`, `y = cy + k1y Y / (Z + K2)`.
 ///
-/// The point (X, Y, Z), relative to the donut's centre, is seen at
-/// `x = cx + k1x X / (Z + K2)`, `y = cy + k1y Y / (Z + K2)`, in cells from the top left corner.
-/// Cell (c, r) is the square [c, c+1) x [r, r+1). Column 0 and row 0 stay empty: donut.c's first
-/// column is its newline, and it never draws on its first row.
+/// In cells from the top left corner: cell (c, r) is the square [c, c+1) x [r, r+1). Column 0 and row
+/// 0 stay empty: donut.c's first column is its newline, and it never draws on its first row.
 #[derive(Clone, Copy, PartialEq)]
 struct Camera {
     width: usize,
@@ -315,10 +327,10 @@ impl Camera {
 
 // ---- Rendering -----------------------------------------------------------------------------------
 
-/// From dark to bright, indexed by 8 L: L reaches sqrt 2, and 8 sqrt 2 is 11.3.
+/// From dark to bright.
 const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
 
-/// The glyph of a luminance of 8 L, from -11.3 to 11.3; what faces away from the light is dark.
+/// The glyph of a luminance 8 L, from -11.3 to 11.3; what faces away from the light is dark.
 fn glyph(luminance: f64) -> u8 {
     // A cast saturates: everything negative is 0.
     RAMP[usize::from(luminance as u8)]
@@ -429,8 +441,8 @@ impl Splat {
 
 /// The samples round the ring at one theta, one for each phi.
 ///
-/// Kept as an array for each quantity, and filled one after another, so that the compiler can work
-/// on several samples at once: this makes the program several times faster than donut.c.
+/// An array to a quantity, each filled in a loop of its own, is what the compiler makes vectors of:
+/// it costs a seventh of donut.c's time.
 struct Ring {
     /// 1/z, seen from the viewer.
     ooz: Vec<f32>,
@@ -466,7 +478,6 @@ impl Ring {
         let (r2, k2) = (Scene::DONUT_C.r2 as f32, Scene::DONUT_C.k2 as f32);
         let (cx, cy) = (camera.cx as f32, camera.cy as f32);
         let (k1x, k1y) = (camera.k1x as f32, camera.k1y as f32);
-        // Distance from the axis: the article's circlex.
         let h = cos_theta + r2;
         let phi = phi.sin.iter().zip(&phi.cos);
         let samples = phi.zip(&mut self.ooz).zip(&mut self.x).zip(&mut self.y);
@@ -529,7 +540,8 @@ const FAR: f64 = f64::INFINITY;
 
 /// Draws what the ray through each cell's centre hits first.
 ///
-/// Of the donut's turn only its axis matters, for it is a surface of revolution.
+/// Of how the donut is turned only its axis matters, for it is a surface of revolution. That is why
+/// two angles are enough.
 fn trace(a: f64, b: f64, scene: &Scene, camera: &Camera, framebuffer: &mut [u8]) {
     let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
     let axis = [sin_a * sin_b, -sin_a * cos_b, cos_a];
