@@ -77,7 +77,7 @@ use signal_hook::{
 /// On a terminal the donut fills the screen until q is pressed. Into a pipe or a file go donut.c's own
 /// bytes, paced by --fps.
 #[derive(Parser)]
-#[command(version, after_help = EXAMPLES)]
+#[command(name = "donut", version, after_help = EXAMPLES)]
 struct Options {
     /// Columns, 1 to 4096 [default: the terminal's, otherwise 80]
     #[arg(long, value_name = "COLS", value_parser = |n: &str| number(n, 1..=4096_u16))]

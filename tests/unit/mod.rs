@@ -1,6 +1,7 @@
 //! The mathematics, from inside.
 
 mod clock;
+mod dist;
 mod exact;
 mod oracle;
 mod splat;
