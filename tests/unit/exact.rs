@@ -53,7 +53,7 @@ fn compare(r1: f64, r2: f64, k2: f64, camera: Camera, poses: &[(f64, f64)]) -> T
 }
 
 /// Every 61st of donut.c's own poses.
-fn own_poses(count: usize) -> Vec<(f64, f64)> {
+pub fn own_poses(count: usize) -> Vec<(f64, f64)> {
     (0..count)
         .map(|n| (2.44 * n as f64, 1.22 * n as f64))
         .collect()

@@ -1,9 +1,12 @@
 //! The mathematics, from inside.
 
+mod chart;
 mod clock;
 mod dist;
 mod exact;
 mod oracle;
+mod plot;
+mod rivals;
 mod splat;
 #[cfg(unix)]
 mod terminal;

@@ -27,11 +27,17 @@ fn exact_hardly_flickers_where_classic_shimmers() {
     );
 }
 
+/// A splat with these steps of theta and phi.
+pub fn with_steps(camera: &Camera, theta: f64, phi: f64) -> Splat {
+    let mut splat = Splat::new(camera);
+    (splat.theta, splat.phi) = (Turn::new(theta), Turn::new(phi));
+    splat.ring = Ring::new(splat.phi.sin.len());
+    splat
+}
+
 /// The share of a splat's cells that are wrong, over twelve poses, with its steps divided by `finer`.
 fn wrong_share(camera: Camera, finer: f64) -> f64 {
-    let mut splat = Splat::new(&camera);
-    (splat.theta, splat.phi) = (Turn::new(0.07 / finer), Turn::new(0.02 / finer));
-    splat.ring = Ring::new(splat.phi.sin.len());
+    let mut splat = with_steps(&camera, 0.07 / finer, 0.02 / finer);
     let mut tally = Tally::default();
     for n in (0..).step_by(61).take(12) {
         let (a, b) = (0.04 * n as f64, 0.02 * n as f64);
@@ -75,11 +81,8 @@ fn the_steps_shrink_with_the_size_or_the_far_wall_shows_through() {
         }
         (tally.holes, through)
     };
-    let mut splat = Splat::new(&camera);
-    let shrunk = far_wall(&mut splat);
-    (splat.theta, splat.phi) = (Turn::new(0.07), Turn::new(0.02));
-    splat.ring = Ring::new(splat.phi.sin.len());
-    let fixed = far_wall(&mut splat);
+    let shrunk = far_wall(&mut Splat::new(&camera));
+    let fixed = far_wall(&mut with_steps(&camera, 0.07, 0.02));
     println!("holes and see-through: {shrunk:?}, with fixed steps {fixed:?}");
     assert!(shrunk.0 == 0 && shrunk.1 < 100, "{shrunk:?}");
     assert!(fixed.0 > 50 && fixed.1 > 3000, "{fixed:?}");

@@ -1,0 +1,167 @@
+//! Other ways to draw the donut, for the charts to measure: each as fast as we can plainly write it.
+//!
+//! Those that cast rays differ from `exact` in how they find the first hit, and in nothing else: the
+//! rays and the shading are its own, in f64.
+
+use super::*;
+
+/// Draws as `trace` does, with hits that `first_hits` finds for N times four rays at once.
+pub fn trace_with<const N: usize>(
+    (a, b): (f64, f64),
+    camera: &Camera,
+    framebuffer: &mut [u8],
+    first_hits: impl Fn(&[Rays; N]) -> [Lanes; N],
+) {
+    let scene = &Scene::DONUT_C;
+    let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
+    let axis = [sin_a * sin_b, -sin_a * cos_b, cos_a];
+    let rows = framebuffer.chunks_exact_mut(camera.width).enumerate();
+    for (row, cells) in rows.skip(1) {
+        let dy = (row as f64 + 0.5 - camera.cy) / camera.k1y;
+        let half = (scene.limb().powi(2) - dy * dy).max(0.0).sqrt() * camera.k1x;
+        let first = ((camera.cx - half) as usize).max(1);
+        let last = ((camera.cx + half) as usize + 1).min(camera.width);
+        for column in (first..last).step_by(N * LANES) {
+            let dx = |ray| ((column + ray) as f64 + 0.5 - camera.cx) / camera.k1x;
+            let rays = std::array::from_fn(|n| {
+                let dx = std::array::from_fn(|lane| dx(n * LANES + lane));
+                Rays::cast(&dx, dy, scene, &axis)
+            });
+            let hits = first_hits(&rays);
+            let blocks = cells[column..].chunks_mut(LANES).zip(&rays).zip(&hits);
+            for ((cells, rays), hits) in blocks {
+                let luminance = rays.luminance(hits, scene, &axis);
+                for ((cell, &s), luminance) in cells.iter_mut().zip(hits).zip(luminance) {
+                    if s < FAR {
+                        *cell = glyph(luminance.min(11.0));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Sphere tracing goes faster with so many rays side by side.
+const RAYS: usize = 16;
+const BLOCKS: usize = RAYS / LANES;
+
+/// Sphere tracing in f32: from the bounding sphere on, go as far as the surface is away.
+///
+/// Rays that have not arrived after `most_steps` miss. They arrive within `1 / most_steps^2` of the
+/// surface: with less more of them miss, with more they stop at limbs that they should pass, and
+/// either way more cells are wrong.
+pub fn sphere_trace(rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes; BLOCKS] {
+    let tolerance = (most_steps as f32).powi(-2);
+    let lanes = |quantity: fn(&Rays) -> &Lanes| -> [f32; RAYS] {
+        std::array::from_fn(|i| quantity(&rays[i / LANES])[i % LANES] as f32)
+    };
+    let (q0, z0, uz, h) = (
+        lanes(|r| &r.q0),
+        lanes(|r| &r.z0),
+        lanes(|r| &r.uz),
+        lanes(|r| &r.h),
+    );
+    let r2 = Scene::DONUT_C.r2 as f32;
+    let mut s = h.map(|h| -h);
+    let mut distance = [f32::INFINITY; RAYS];
+    for _ in 0..most_steps {
+        let mut running = false;
+        for i in 0..RAYS {
+            let z = z0[i] + s[i] * uz[i];
+            let rho = (q0[i] + s[i] * s[i] - z * z).max(0.0).sqrt();
+            distance[i] = ((rho - r2) * (rho - r2) + z * z).sqrt() - 1.0;
+            let open = (distance[i] > tolerance) & (s[i] < h[i]);
+            s[i] += if open { distance[i] } else { 0.0 };
+            running |= open;
+        }
+        if !running {
+            break;
+        }
+    }
+    std::array::from_fn(|n| {
+        std::array::from_fn(|lane| {
+            let i = n * LANES + lane;
+            select(distance[i] <= tolerance, s[i].into(), FAR)
+        })
+    })
+}
+
+/// Ferrari's closed form for the first root of `G(s) = s^4 + p s^2 + q s + r`, in either precision,
+/// with so many Newton steps after it.
+///
+/// G is `(s^2 + alpha s + beta) (s^2 - alpha s + gamma)` if `y = alpha^2` solves the resolvent
+/// `y^3 + 2 p y^2 + (p^2 - 4 r) y - q^2 = 0`. The largest y pairs the two smallest roots, so that
+/// the first factor has the first hit, if it has any. With `y = v - 2/3 p` the resolvent becomes
+/// `v^3 - 3 m v - 2 n = 0`: by cosines if it has three roots, by Cardano's formula if it has one.
+macro_rules! closed_form {
+    ($name:ident, $float:ident) => {
+        pub fn $name([p, q, r]: [f64; 3], newton_steps: usize) -> f64 {
+            let [p, q, r] = [p, q, r].map(|coefficient| coefficient as $float);
+            let m = (p * p + 12.0 * r) / 9.0;
+            let n = p * p * p / 27.0 - 4.0 / 3.0 * p * r + q * q / 2.0;
+            let discriminant = n * n - m * m * m;
+            let v = if discriminant < 0.0 {
+                let root = m.sqrt();
+                2.0 * root * ((n / (m * root)).clamp(-1.0, 1.0).acos() / 3.0).cos()
+            } else {
+                let t = (n + discriminant.sqrt().copysign(n)).cbrt();
+                if t == 0.0 { 0.0 } else { t + m / t }
+            };
+            let y = (v - 2.0 / 3.0 * p).max(0.0);
+            let alpha = y.sqrt();
+            // gamma - beta is q / alpha, which is noise where alpha is next to nothing.
+            let apart = if y < p.abs() / 8.0 {
+                ((p + y) * (p + y) - 4.0 * r).max(0.0).sqrt().copysign(q)
+            } else {
+                q / alpha
+            };
+            let (near, far) = (2.0 * (apart - p) - y, -2.0 * (apart + p) - y);
+            let mut s = if near >= 0.0 {
+                (-alpha - near.sqrt()) / 2.0
+            } else if far >= 0.0 {
+                (alpha - far.sqrt()) / 2.0
+            } else {
+                return FAR;
+            };
+            for _ in 0..newton_steps {
+                s -= (((s * s + p) * s + q) * s + r) / ((4.0 * s * s + 2.0 * p) * s + q);
+            }
+            s.into()
+        }
+    };
+}
+
+closed_form!(first_root_f32, f32);
+closed_form!(first_root_f64, f64);
+
+/// donut.c's frame expression by expression, with sines and cosines taken for each sample.
+///
+/// Those that do not change within a loop the compiler may take out of it, as C's may.
+pub fn donut_c(a: f32, b: f32, camera: &Camera, zbuffer: &mut [f32], framebuffer: &mut [u8]) {
+    let sin = |angle: f32| f64::from(angle).sin() as f32;
+    let cos = |angle: f32| f64::from(angle).cos() as f32;
+    let [cx, cy, k1x, k1y] = [camera.cx, camera.cy, camera.k1x, camera.k1y].map(|k| k as f32);
+    zbuffer.fill(0.0);
+    let mut j = 0.0;
+    while f64::from(j) < TAU {
+        let mut i = 0.0;
+        while f64::from(i) < TAU {
+            let (c, d, e, f, g) = (sin(i), cos(j), sin(a), sin(j), cos(a));
+            let h = d + 2.0;
+            let ooz = 1.0 / (c * h * e + f * g + 5.0);
+            let (l, m, n) = (cos(i), cos(b), sin(b));
+            let t = c * h * g - f * e;
+            let x = (cx + k1x * ooz * (l * h * m - t * n)) as usize;
+            let y = (cy + k1y * ooz * (l * h * n + t * m)) as usize;
+            let o = x + camera.width * y;
+            let luminance = 8.0 * ((f * e - c * d * g) * m - c * d * e - f * g - l * d * n);
+            let inside = camera.height > y && y > 0 && x > 0 && camera.width > x;
+            if inside && ooz > zbuffer[o] {
+                zbuffer[o] = ooz;
+                framebuffer[o] = glyph(luminance.into());
+            }
+            i = advance(i, 0.02);
+        }
+        j = advance(j, 0.07);
+    }
+}
