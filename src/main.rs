@@ -571,11 +571,12 @@ fn trace(a: f64, b: f64, scene: &Scene, camera: &Camera, framebuffer: &mut [u8])
     }
 }
 
-/// Rays from the viewer, and for each the quartic `G(s) = s^4 + p s^2 + q s + r` that is zero where
-/// the ray meets the donut and positive outside of it.
+/// Rays from the viewer, and where they meet the donut.
 ///
-/// A ray is `P0 + s U`: U its unit direction, P0 its point nearest to the donut's centre. Measured
-/// from there G has no cubic term, and small coefficients however far away the viewer is.
+/// A ray is `P = P0 + s U`: U is its unit direction, P0 its point nearest to the donut's centre. The
+/// donut is where `(|P|^2 + R2^2 - R1^2)^2 = 4 R2^2 (|P|^2 - z^2)`, z being the height over the plane
+/// of the ring. Along the ray this is `G(s) = s^4 + p s^2 + q s + r = 0`; G is positive outside.
+/// Measured from P0 it has no cubic term, and small coefficients however far away the viewer is.
 #[derive(Default)]
 struct Rays {
     p: Lanes,
@@ -642,16 +643,16 @@ impl Rays {
 
 /// Newton's search for the first root of each ray's G.
 ///
-/// G has two valleys at most, and outside its inflections -w and w it is convex. Coming from the
-/// left Newton goes down to the first root and never beyond, if the left valley holds one. If not, a
-/// step finds G rising, or goes beyond -w. The search then starts again at w, if G falls there:
-/// Newton reaches a root in the right valley from either side, or finds G rising once more.
+/// G has two valleys at most, and is convex outside of its inflections -w and w. Coming from the left
+/// Newton goes down to the first root and never beyond, if the left valley holds one. If not, a step
+/// finds G rising, or goes beyond -w. The search then starts again at w, from where Newton reaches a
+/// root in the right valley from either side, or finds G rising once more: the ray misses.
 struct Search {
     s: Lanes,
     last_step: Lanes,
-    /// How far s may go: -w in the left valley.
+    /// How far s may go: to -w in the left valley.
     limit: Lanes,
-    /// Where to start again: w, or infinitely far, which is a miss.
+    /// Where to start again: at w, and then nowhere.
     second: Lanes,
 }
 
@@ -670,11 +671,8 @@ impl Search {
             second: far,
         };
         for i in 0..LANES {
-            let (p, q) = (rays.p[i], rays.q[i]);
-            let w = (-p / 6.0).max(0.0).sqrt();
-            search.s[i] = -rays.h[i].max(w);
-            search.limit[i] = select(p < 0.0, -w, FAR);
-            search.second[i] = select((p < 0.0) & (slope(w, p, q) < 0.0), w, FAR);
+            let w = (-rays.p[i] / 6.0).max(0.0).sqrt();
+            (search.s[i], search.limit[i], search.second[i]) = (-rays.h[i], -w, w);
         }
         search
     }
@@ -692,7 +690,7 @@ impl Search {
     fn step(&mut self, rays: &Rays) {
         for i in 0..LANES {
             let (s, p, q, r) = (self.s[i], rays.p[i], rays.q[i], rays.r[i]);
-            let slope = slope(s, p, q);
+            let slope = (4.0 * s * s + 2.0 * p) * s + q;
             let step = (((s * s + p) * s + q) * s + r) / slope;
             let lost = (slope >= 0.0) | (s - step > self.limit[i]);
             let open = self.is_open(i);
@@ -708,11 +706,6 @@ impl Search {
 
 fn select(condition: bool, yes: f64, no: f64) -> f64 {
     if condition { yes } else { no }
-}
-
-/// G'(s).
-fn slope(s: f64, p: f64, q: f64) -> f64 {
-    (4.0 * s * s + 2.0 * p) * s + q
 }
 
 // ---- Encoding ------------------------------------------------------------------------------------
