@@ -20,16 +20,17 @@
 //! f = R1 sin theta           normal (cos theta cos phi, cos theta sin phi, sin theta)
 //! ```
 //!
-//! Turned by A about the x axis and then by B about the z axis, both point and normal become
+//! Turned by A about the x axis and then by B about the z axis, the point is (X, Y, Z):
 //!
 //! ```text
 //! t = h sin phi cos A - f sin A      X = h cos phi cos B - t sin B
 //! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
 //! ```
 //!
-//! The viewer is K2 = 5 away from the centre. What is twice as far looks half as large, so a point
-//! is seen at X / (Z + K2), Y / (Z + K2), times a scale K1 in cells. Many points fall into one cell:
-//! the nearest shows, which has the largest 1 / (Z + K2), kept for each cell in a z-buffer.
+//! and so is the normal. The viewer is K2 = 5 away from the centre. What is twice as far looks half
+//! as large, so that a point is seen at X / (Z + K2), Y / (Z + K2), times a scale K1 in cells. Many
+//! points fall into one cell: the nearest shows, whose 1 / (Z + K2), kept for each cell in a z-buffer,
+//! is the largest.
 //!
 //! How bright it is, L, is the normal times the light, (0, -1, -1), which comes from above and from
 //! behind the viewer. That light is sqrt 2 long, so that 8 L reaches 11.3: just the twelve glyphs.
@@ -683,7 +684,7 @@ impl Search {
     }
 
     fn is_running(&self) -> bool {
-        (0..LANES).fold(false, |running, i| running | self.is_open(i))
+        (0..LANES).any(|i| self.is_open(i))
     }
 
     /// One step of each lane that is open, without branches, so that it vectorises.
@@ -970,8 +971,7 @@ impl Method {
     /// What `auto` comes to for this picture.
     fn choose(self, camera: &Camera, clock: &Clock) -> Method {
         match self {
-            Method::Auto if *camera != Camera::DONUT_C => Method::Exact,
-            Method::Auto if clock.floats_follow() => Method::Classic,
+            Method::Auto if *camera == Camera::DONUT_C && clock.floats_follow() => Method::Classic,
             Method::Auto => Method::Exact,
             chosen => chosen,
         }
