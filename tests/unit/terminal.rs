@@ -24,7 +24,7 @@ fn a_panic_restores_the_terminal_and_can_be_read() {
         "tests::terminal::a_donut_that_falls",
     ];
     let mut pty = Pty::run(program.to_str().unwrap(), &falls, (80, 100), "xterm");
-    assert_eq!(pty.exit().0, 101);
+    assert_eq!(pty.exit(), 101);
     pty.assert_restored();
     assert!(pty.written().contains("\x1b[?1049h"));
     assert!(
