@@ -297,7 +297,7 @@ fn a_third_turn_changes_nothing_that_is_seen() {
 }
 
 #[test]
-fn newton_never_takes_more_than_32_steps() {
+fn newton_takes_at_most_32_steps_and_never_yields_nan() {
     let mut random = Random(1974);
     let mut most = 0;
     for _ in 0..500_000 {
@@ -311,6 +311,7 @@ fn newton_never_takes_more_than_32_steps() {
             steps += 1;
         }
         most = most.max(steps);
+        assert!(search.s.iter().all(|s| !s.is_nan()), "{:?}", search.s);
     }
     println!("at most {most} steps");
     assert!(most <= Search::MOST_STEPS);
