@@ -678,29 +678,23 @@ impl Search {
         search
     }
 
-    /// Whether lane i has neither arrived at a root nor gone infinitely far.
-    fn is_open(&self, i: usize) -> bool {
-        (self.last_step[i].abs() > Search::TOLERANCE) & (self.s[i] < FAR)
-    }
-
+    /// Whether any lane has neither arrived at a root nor run out of starts.
     fn is_running(&self) -> bool {
-        (0..LANES).any(|i| self.is_open(i))
+        let open = |i: usize| self.last_step[i].abs() > Search::TOLERANCE && self.s[i] < FAR;
+        (0..LANES).any(open)
     }
 
-    /// One step of each lane that is open, without branches, so that it vectorises.
+    /// One step of each lane, without branches, so that it vectorises.
     fn step(&mut self, rays: &Rays) {
         for i in 0..LANES {
             let (s, p, q, r) = (self.s[i], rays.p[i], rays.q[i], rays.r[i]);
             let slope = (4.0 * s * s + 2.0 * p) * s + q;
             let step = (((s * s + p) * s + q) * s + r) / slope;
             let lost = (slope >= 0.0) | (s - step > self.limit[i]);
-            let open = self.is_open(i);
-            let next = select(lost, self.second[i], s - step);
-            self.s[i] = select(open, next, s);
-            let step = select(lost, FAR, step);
-            self.last_step[i] = select(open, step, self.last_step[i]);
-            self.limit[i] = select(open & lost, FAR, self.limit[i]);
-            self.second[i] = select(open & lost, FAR, self.second[i]);
+            self.s[i] = select(lost, self.second[i], s - step);
+            self.last_step[i] = select(lost, FAR, step);
+            self.limit[i] = select(lost, FAR, self.limit[i]);
+            self.second[i] = select(lost, FAR, self.second[i]);
         }
     }
 }
