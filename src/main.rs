@@ -57,7 +57,7 @@ use std::{env, panic, thread};
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, ValueEnum};
-use crossterm::cursor::{Hide, Show as ShowCursor};
+use crossterm::cursor::{Hide, Show};
 use crossterm::event::{self, Event, KeyCode, KeyModifiers};
 use crossterm::execute;
 use crossterm::style::{self, Color, SetForegroundColor};
@@ -65,11 +65,9 @@ use crossterm::terminal::{
     self, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
 };
 #[cfg(unix)]
-use signal_hook::{
-    consts::{SIGSTOP, SIGTSTP},
-    iterator::Signals,
-    low_level,
-};
+use rustix::process::{Signal, kill_current_process_group};
+#[cfg(unix)]
+use signal_hook::{consts::SIGTSTP, iterator::Signals};
 
 // ---- Options -------------------------------------------------------------------------------------
 
@@ -257,7 +255,7 @@ impl Scene {
                 "--r1 <R>",
                 format!("a thousandth of --r2, {r2}, or more"),
             )
-        } else if k2 <= r1 + r2 {
+        } else if k2 <= r1 + r2 || distance <= scene.sphere() {
             refuse(
                 &k2,
                 "--k2 <D>",
@@ -331,10 +329,10 @@ impl Camera {
 /// From dark to bright.
 const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
 
-/// The glyph of a luminance 8 L, from -11.3 to 11.3; what faces away from the light is dark.
+/// The glyph of a luminance L, from -sqrt 2 to sqrt 2; what faces away from the light is dark.
 fn glyph(luminance: f64) -> u8 {
     // A cast saturates: everything negative is 0.
-    RAMP[usize::from(luminance as u8)]
+    RAMP[usize::from((8.0 * luminance) as u8)]
 }
 
 /// Draws one picture of the donut after another.
@@ -411,11 +409,10 @@ struct Splat {
 }
 
 impl Splat {
-    /// At other sizes than donut.c's the two angles' steps shrink until the nearest point of the
-    /// surface, at `K2 - R1 - R2`, again moves at most a cell in a step, or there would be holes.
+    /// At larger scales than donut.c's the two angles' steps shrink in proportion, so that the nearest
+    /// point of the surface again moves at most a cell in a step, or there would be holes.
     fn new(camera: &Camera) -> Splat {
-        let nearest = Scene::DONUT_C.k2 - Scene::DONUT_C.sphere();
-        let shrink = f64::min(1.0, 15.0 / (camera.k1x.max(camera.k1y) / nearest));
+        let shrink = f64::min(1.0, Camera::DONUT_C.k1x / camera.k1x.max(camera.k1y));
         let (theta, phi) = (Turn::new(0.07 * shrink), Turn::new(0.02 * shrink));
         let ring = Ring::new(phi.sin.len());
         Splat {
@@ -450,7 +447,6 @@ struct Ring {
     /// Screen position, in cells.
     x: Vec<f32>,
     y: Vec<f32>,
-    /// 8 L, from -11.3 to 11.3.
     luminance: Vec<f32>,
     /// Index into the framebuffer.
     cell: Vec<u32>,
@@ -487,11 +483,10 @@ impl Ring {
             let t = sin_phi * h * cos_a - sin_theta * sin_a;
             *x = cx + k1x * *ooz * (cos_phi * h * cos_b - t * sin_b);
             *y = cy + k1y * *ooz * (cos_phi * h * sin_b + t * cos_b);
-            *luminance = 8.0
-                * ((sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
-                    - sin_phi * cos_theta * sin_a
-                    - sin_theta * cos_a
-                    - cos_phi * cos_theta * sin_b);
+            *luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
+                - sin_phi * cos_theta * sin_a
+                - sin_theta * cos_a
+                - cos_phi * cos_theta * sin_b;
         }
     }
 
@@ -521,7 +516,8 @@ impl Ring {
     }
 }
 
-/// `value as i32` for 0 <= value < 2^22, in operations that vectorise on every machine.
+/// `value as i32` for 0 <= value < 2^23, nothing positive below, in operations that vectorise on every
+/// machine.
 fn truncate(value: f32) -> i32 {
     /// 2^23: from here on a float's last bit is worth 1, so a sum is rounded to a whole number.
     const WHOLE: f32 = 8_388_608.0;
@@ -629,15 +625,15 @@ impl Rays {
         search.s
     }
 
-    /// 8 L where each ray hits, L being light times normal. At the point P of height z, rho from
-    /// the axis n, the normal is `(P - z n) (1 - R2 / rho) + z n`.
+    /// Light times normal where each ray hits. At the point P, of height z and at rho from the axis n,
+    /// the normal is `(P - z n) (1 - R2 / rho) + z n`.
     fn luminance(&self, s: &Lanes, scene: &Scene, axis: &[f64; 3]) -> Lanes {
         let axis_light = -(axis[1] + axis[2]);
         std::array::from_fn(|i| {
             let z = self.z0[i] + s[i] * self.uz[i];
             let rho = (self.q0[i] + s[i] * s[i] - z * z).sqrt();
             let light = self.l0[i] + s[i] * self.lu[i];
-            8.0 * ((light - z * axis_light) * (1.0 - scene.r2 / rho) + z * axis_light)
+            (light - z * axis_light) * (1.0 - scene.r2 / rho) + z * axis_light
         })
     }
 }
@@ -717,6 +713,7 @@ enum Output {
 
 /// What a frame's rows are wrapped in.
 struct Wrapping {
+    begin: &'static str,
     before: String,
     /// Goes before each row. It stands for column 0, which the framebuffer leaves empty.
     newline: &'static str,
@@ -731,26 +728,40 @@ impl Wrapping {
         style::force_color_output(true);
         let color = color.map(|color| SetForegroundColor(color).to_string());
         let reset = if color.is_some() { "\x1b[0m" } else { "" };
-        let home = format!("\x1b[H{}", color.unwrap_or_default());
-        let (before, newline, after) = match output {
-            Output::Pipe => (home, "\n", format!("\n{reset}")),
-            Output::Terminal => (
-                format!("\x1b[?2026h{home}"),
-                "\r\n",
-                format!("{reset}\x1b[?2026l"),
-            ),
-            Output::DumbTerminal => (String::new(), "\n", "\n".into()),
-        };
-        Wrapping {
-            before,
-            newline,
-            after,
+        let before = format!("\x1b[H{}", color.unwrap_or_default());
+        let after = format!("\n{reset}");
+        match output {
+            Output::Pipe => Wrapping {
+                begin: "",
+                before,
+                newline: "\n",
+                after,
+            },
+            Output::Terminal => {
+                let after = format!("{reset}\x1b[?2026l");
+                Wrapping {
+                    begin: "\x1b[?2026h",
+                    before,
+                    newline: "\r\n",
+                    after,
+                }
+            }
+            Output::DumbTerminal => Wrapping {
+                begin: "",
+                before: "".into(),
+                newline: "\n",
+                after: "\n".into(),
+            },
         }
     }
 }
 
-/// Appends a frame to `out`.
-fn encode(framebuffer: &[u8], width: usize, wrapping: &Wrapping, out: &mut Vec<u8>) {
+/// Appends a frame to `out`, on a screen that is cleared first if need be.
+fn encode(framebuffer: &[u8], width: usize, wrapping: &Wrapping, clear: bool, out: &mut Vec<u8>) {
+    out.extend_from_slice(wrapping.begin.as_bytes());
+    if clear {
+        out.extend_from_slice(b"\x1b[2J");
+    }
     out.extend_from_slice(wrapping.before.as_bytes());
     for row in framebuffer.chunks_exact(width) {
         out.extend_from_slice(wrapping.newline.as_bytes());
@@ -763,7 +774,7 @@ fn encode(framebuffer: &[u8], width: usize, wrapping: &Wrapping, out: &mut Vec<u
 
 /// What the loop may be told while it waits for the next frame.
 #[derive(Clone, Copy)]
-enum Command {
+enum Order {
     Quit,
     Pause,
     Shade,
@@ -771,18 +782,18 @@ enum Command {
     Redraw,
 }
 
-impl Command {
-    fn of(event: &Event) -> Option<Command> {
+impl Order {
+    fn of(event: &Event) -> Option<Order> {
         let Event::Key(key) = event else {
-            return event.as_resize_event().map(|_| Command::Redraw);
+            return event.as_resize_event().map(|_| Order::Redraw);
         };
         match (key.code, key.modifiers) {
             _ if !key.is_press() => None,
-            (KeyCode::Char('c'), KeyModifiers::CONTROL) => Some(Command::Quit),
-            (KeyCode::Char('z'), KeyModifiers::CONTROL) => Some(Command::Suspend),
-            (KeyCode::Char('q') | KeyCode::Esc, KeyModifiers::NONE) => Some(Command::Quit),
-            (KeyCode::Char('p'), KeyModifiers::NONE) => Some(Command::Pause),
-            (KeyCode::Char(' '), KeyModifiers::NONE) => Some(Command::Shade),
+            (KeyCode::Char('c'), KeyModifiers::CONTROL) => Some(Order::Quit),
+            (KeyCode::Char('z'), KeyModifiers::CONTROL) => Some(Order::Suspend),
+            (KeyCode::Char('q') | KeyCode::Esc, KeyModifiers::NONE) => Some(Order::Quit),
+            (KeyCode::Char('p'), KeyModifiers::NONE) => Some(Order::Pause),
+            (KeyCode::Char(' '), KeyModifiers::NONE) => Some(Order::Shade),
             _ => None,
         }
     }
@@ -799,25 +810,26 @@ struct Screen {
 
 impl Screen {
     /// Takes the terminal, and has whatever happens to it told to the loop.
-    fn open(alternate: bool, tell: &Sender<Command>) -> io::Result<Screen> {
-        // Input comes first, while there is nothing to undo. Without any there are still signals.
-        let keys = io::stdin().is_terminal() && terminal::enable_raw_mode().is_ok();
-        let screen = Screen { keys, alternate };
+    fn open(alternate: bool, tell: &Sender<Order>) -> io::Result<Screen> {
+        let screen = Screen {
+            keys: io::stdin().is_terminal(),
+            alternate,
+        };
+        screen.hear_signals(tell)?;
         let report = panic::take_hook();
         panic::set_hook(Box::new(move |panic| {
             screen.leave();
             report(panic);
         }));
-        let opened = screen.hear_signals(tell).and_then(|()| screen.enter());
-        opened.inspect_err(|_| screen.leave())?;
-        if keys {
+        screen.enter().inspect_err(|_| screen.leave())?;
+        if screen.keys {
             let tell = tell.clone();
             thread::spawn(move || screen.hear_keys(&tell));
         }
         Ok(screen)
     }
 
-    fn hear_signals(self, tell: &Sender<Command>) -> io::Result<()> {
+    fn hear_signals(self, tell: &Sender<Order>) -> io::Result<()> {
         let quit = tell.clone();
         ctrlc::set_handler(move || self.quit(&quit)).map_err(io::Error::other)?;
         #[cfg(unix)]
@@ -826,39 +838,42 @@ impl Screen {
             thread::spawn(move || {
                 stops
                     .forever()
-                    .try_for_each(|_| suspend.send(Command::Suspend))
+                    .try_for_each(|_| suspend.send(Order::Suspend))
             });
         }
         Ok(())
     }
 
-    fn hear_keys(self, tell: &Sender<Command>) {
+    fn hear_keys(self, tell: &Sender<Order>) {
         while let Ok(event) = event::read() {
             // Behind an Esc that was pressed comes nothing; behind one that begins the code of some
             // other key, and came first over a slow line, comes the rest.
-            let escape = event == Event::Key(KeyCode::Esc.into());
+            let escape = cfg!(unix) && event == Event::Key(KeyCode::Esc.into());
             if escape && event::poll(Duration::from_millis(20)).unwrap_or_default() {
                 continue;
             }
-            match Command::of(&event) {
-                Some(Command::Quit) => self.quit(tell),
-                Some(command) => tell.send(command).unwrap_or_default(),
+            match Order::of(&event) {
+                Some(Order::Quit) => self.quit(tell),
+                Some(order) => tell.send(order).unwrap_or_default(),
                 None => {}
             }
         }
+        // Without keys nobody could end it: raw mode takes Ctrl-C for one.
+        self.quit(tell);
     }
 
     /// Stops the loop, or half a second later, if a terminal that does not read holds it up, the
     /// program.
-    fn quit(self, tell: &Sender<Command>) {
-        let _ = tell.send(Command::Quit);
-        thread::sleep(Duration::from_millis(500));
+    fn quit(self, tell: &Sender<Order>) {
+        let _ = tell.send(Order::Quit);
+        thread::sleep(Duration::from_millis(700));
         thread::spawn(move || self.leave());
-        thread::sleep(Duration::from_millis(100));
+        thread::sleep(Duration::from_millis(200));
         process::exit(1);
     }
 
     fn enter(self) -> io::Result<()> {
+        // Input comes first: without it there is nothing to undo.
         if self.keys {
             terminal::enable_raw_mode()?;
         }
@@ -870,10 +885,8 @@ impl Screen {
 
     /// Gives the terminal back as it was found. It may be gone: then there is nothing left to do.
     fn leave(self) {
-        if self.keys {
-            let _ = terminal::disable_raw_mode();
-        }
-        let _ = execute!(io::stdout(), EndSynchronizedUpdate, ShowCursor);
+        let _ = terminal::disable_raw_mode();
+        let _ = execute!(io::stdout(), EndSynchronizedUpdate, Show);
         let _ = if self.alternate {
             execute!(io::stdout(), LeaveAlternateScreen)
         } else {
@@ -884,8 +897,9 @@ impl Screen {
     /// Hands the terminal to the shell until it says `fg`.
     fn suspend(self) -> io::Result<()> {
         self.leave();
+        // The whole job, as the terminal's own Ctrl-Z does: its shell waits for the first process.
         #[cfg(unix)]
-        low_level::raise(SIGSTOP)?;
+        kill_current_process_group(Signal::STOP)?;
         self.enter()
     }
 }
@@ -948,7 +962,7 @@ impl Clock {
     /// at 2^20, from frame 22,918,663, they stand still.
     fn floats_follow(&self) -> bool {
         let (angles, next) = (self.angles(), self.next_floats());
-        let error = |i: usize| next[i] - angles[i] - self.spin[i];
+        let error = |i: usize| next[i] - f64::from(angles[i] as f32) - self.spin[i];
         (0..2).all(|i| error(i).abs() <= 0.1 * self.spin[i].abs())
     }
 
@@ -972,11 +986,8 @@ impl Method {
     }
 }
 
-/// Clears the screen: before the first frame, and when something else may have been left there.
-const CLEAR: &[u8] = b"\x1b[2J";
-
 /// The donut as it is shown, frame after frame.
-struct Show<'a> {
+struct Animation<'a> {
     options: &'a Options,
     scene: Scene,
     output: Output,
@@ -986,41 +997,28 @@ struct Show<'a> {
     wrapping: Wrapping,
     /// Whether the shading is off: every cell of the donut a dot.
     flat: bool,
+    /// Whether the screen is to be cleared, since something else may have been left there.
+    clear: bool,
     stdout: File,
-    /// The bytes to be written next.
+    /// The bytes of a frame.
     out: Vec<u8>,
 }
 
 /// Shows the donut until there are frames enough, somebody says stop, or nobody reads any more.
 fn run(options: &Options, scene: Scene) -> io::Result<()> {
     let output = Output::detect();
-    let mut show = Show {
-        options,
-        scene,
-        output,
-        screen: None,
-        renderer: Renderer::new(scene, camera(options, &scene, output), options.method),
-        clock: Clock {
-            origin: [options.a, options.b],
-            frames: 0,
-            spin: options.spin,
-        },
-        wrapping: Wrapping::new(output, options.color),
-        flat: false,
-        stdout: unbuffered_stdout()?,
-        out: Vec::new(),
-    };
+    let mut animation = Animation::new(options, scene, output)?;
     let (tell, told) = channel();
     match output {
-        Output::DumbTerminal => return show.draw(),
-        Output::Terminal => show.screen = Some(Screen::open(options.frames.is_none(), &tell)?),
+        Output::DumbTerminal => return animation.draw(),
+        Output::Terminal => animation.screen = Some(Screen::open(options.frames.is_none(), &tell)?),
         Output::Pipe => {}
     }
-    show.play(&told)
+    animation.play(&told)
 }
 
 /// The camera for the size of the options, clipped to the terminal.
-fn camera(options: &Options, scene: &Scene, output: Output) -> Camera {
+fn fit(options: &Options, scene: &Scene, output: Output) -> Camera {
     let (mut width, mut height) = (options.width.unwrap_or(80), options.height.unwrap_or(22));
     if output != Output::Pipe {
         let (columns, rows) = terminal_size();
@@ -1031,14 +1029,33 @@ fn camera(options: &Options, scene: &Scene, output: Output) -> Camera {
     Camera::new(width.into(), height.into(), options.aspect, scene)
 }
 
-impl Show<'_> {
-    fn play(&mut self, told: &Receiver<Command>) -> io::Result<()> {
+impl Animation<'_> {
+    fn new(options: &Options, scene: Scene, output: Output) -> io::Result<Animation<'_>> {
+        Ok(Animation {
+            options,
+            scene,
+            output,
+            screen: None,
+            renderer: Renderer::new(scene, fit(options, &scene, output), options.method),
+            clock: Clock {
+                origin: [options.a, options.b],
+                frames: 0,
+                spin: options.spin,
+            },
+            wrapping: Wrapping::new(output, options.color),
+            flat: false,
+            clear: output != Output::DumbTerminal,
+            stdout: unbuffered_stdout()?,
+            out: Vec::new(),
+        })
+    }
+
+    fn play(&mut self, told: &Receiver<Order>) -> io::Result<()> {
         // At 0 every frame is due at once; 31 years are as good as any longer time.
         let fps = self.options.fps;
         let seconds = if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 };
         let interval = Duration::from_secs_f64(seconds);
         let mut due = Instant::now();
-        self.out.extend_from_slice(CLEAR);
         for frame in 0..self.options.frames.unwrap_or(u64::MAX) {
             if frame > 0 {
                 // Absolute deadlines do not drift; after a stall it goes on from now.
@@ -1054,10 +1071,10 @@ impl Show<'_> {
     }
 
     fn draw(&mut self) -> io::Result<()> {
-        let camera = camera(self.options, &self.scene, self.output);
+        let camera = fit(self.options, &self.scene, self.output);
         if camera != self.renderer.camera {
             self.renderer = Renderer::new(self.scene, camera, self.options.method);
-            self.out = CLEAR.to_vec();
+            self.clear = true;
         }
         self.renderer.method = self.options.method.choose(&camera, &self.clock);
         let [a, b] = self.clock.angles();
@@ -1067,29 +1084,36 @@ impl Show<'_> {
             let donut = framebuffer.iter_mut().filter(|cell| **cell != b' ');
             donut.for_each(|cell| *cell = RAMP[0]);
         }
-        encode(framebuffer, camera.width, &self.wrapping, &mut self.out);
-        self.stdout.write_all(&self.out)?;
         self.out.clear();
+        encode(
+            framebuffer,
+            camera.width,
+            &self.wrapping,
+            self.clear,
+            &mut self.out,
+        );
+        self.clear = false;
+        self.stdout.write_all(&self.out)?;
         Ok(())
     }
 
     /// Waits until the next frame is due and obeys meanwhile. False is the end.
-    fn wait(&mut self, due: &mut Instant, told: &Receiver<Command>) -> io::Result<bool> {
+    fn wait(&mut self, due: &mut Instant, told: &Receiver<Order>) -> io::Result<bool> {
         let mut paused = false;
         loop {
             let left = due.saturating_duration_since(Instant::now());
             match told.recv_timeout(if paused { Duration::MAX } else { left }) {
                 Err(RecvTimeoutError::Timeout) => return Ok(true),
-                Err(RecvTimeoutError::Disconnected) | Ok(Command::Quit) => return Ok(false),
-                Ok(Command::Pause) => {
+                Err(RecvTimeoutError::Disconnected) | Ok(Order::Quit) => return Ok(false),
+                Ok(Order::Pause) => {
                     (paused, *due) = (!paused, Instant::now());
                     continue;
                 }
-                Ok(Command::Shade) => self.flat = !self.flat,
-                Ok(Command::Redraw) => self.out = CLEAR.to_vec(),
-                Ok(Command::Suspend) => {
+                Ok(Order::Shade) => self.flat = !self.flat,
+                Ok(Order::Redraw) => self.clear = true,
+                Ok(Order::Suspend) => {
                     self.screen.map_or(Ok(()), Screen::suspend)?;
-                    self.out = CLEAR.to_vec();
+                    self.clear = true;
                 }
             }
             self.draw()?;
@@ -1097,7 +1121,7 @@ impl Show<'_> {
     }
 }
 
-impl Drop for Show<'_> {
+impl Drop for Animation<'_> {
     fn drop(&mut self) {
         // A panic gave the terminal back already, to be read on it.
         if let Some(screen) = self.screen.filter(|_| !thread::panicking()) {

@@ -1,6 +1,5 @@
 //! The command line, the bytes on a pipe, and the ways out.
 
-use std::fs::OpenOptions;
 use std::io::Read;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
@@ -8,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use assert_cmd::assert::OutputAssertExt;
 use predicates::prelude::*;
-use predicates::str::{contains, starts_with};
+use predicates::str::contains;
 
 fn donut(options: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_donut"));
@@ -21,6 +20,7 @@ fn donut(options: &[&str]) -> Command {
 fn count_frames(options: &[&str], size: usize, stall: Duration) -> (f64, Duration) {
     let mut child = donut(options).stdout(Stdio::piped()).spawn().unwrap();
     let mut stream = child.stdout.take().unwrap();
+    stream.read_exact(&mut vec![0; size + 4]).unwrap();
     sleep(stall);
     let (start, mut bytes, mut buffer) = (Instant::now(), 0, vec![0; size]);
     while start.elapsed() < Duration::from_millis(500) {
@@ -308,8 +308,12 @@ fn a_reader_that_goes_away_ends_it_silently() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_one_message_and_exit_code_1() {
-    let full = OpenOptions::new().write(true).open("/dev/full").unwrap();
-    let error = starts_with("donut: ").and(predicate::function(|e: &str| e.lines().count() == 1));
+    let full = std::fs::OpenOptions::new()
+        .write(true)
+        .open("/dev/full")
+        .unwrap();
+    let error = predicates::str::starts_with("donut: ")
+        .and(predicate::function(|e: &str| e.lines().count() == 1));
     donut(&["--frames=1"])
         .stdout(full)
         .assert()
@@ -322,10 +326,13 @@ fn a_full_disk_is_one_message_and_exit_code_1() {
 fn every_frame_is_one_write() {
     use std::os::{fd::OwnedFd, unix::net::UnixDatagram};
     let (reader, writer) = UnixDatagram::pair().unwrap();
-    let child = donut(&["--frames=5", "--color=red"])
+    let child = donut(&["--frames=3", "--fps=5", "--color=red"])
         .stdout(OwnedFd::from(writer))
         .spawn();
-    let packets = [0; 5].map(|_| reader.recv(&mut [0; 4000]).unwrap());
+    reader
+        .set_read_timeout(Some(Duration::from_secs(10)))
+        .unwrap();
+    let packets = [0; 3].map(|_| reader.recv(&mut [0; 4000]).unwrap());
     child
         .unwrap()
         .wait_with_output()
@@ -333,17 +340,17 @@ fn every_frame_is_one_write() {
         .assert()
         .success();
     let frame = 1764 + "\x1b[38;5;9m\x1b[0m".len();
-    assert_eq!(packets, [4 + frame, frame, frame, frame, frame]);
+    assert_eq!(packets, [4 + frame, frame, frame]);
 }
 
 #[test]
 fn frames_come_at_the_rate_asked_for() {
-    let (frames, time) = count_frames(&["--fps=100"], 1764, Duration::ZERO);
+    let (frames, time) = count_frames(&["--fps=50"], 1764, Duration::ZERO);
     assert!(
-        frames <= 100.0 * time.as_secs_f64() + 2.0,
+        frames <= 50.0 * time.as_secs_f64() + 3.0,
         "{frames} frames in {time:?}"
     );
-    assert!(frames >= 25.0, "{frames} frames in {time:?}");
+    assert!(frames >= 8.0, "{frames} frames in {time:?}");
 }
 
 #[test]
@@ -351,6 +358,7 @@ fn after_a_stall_it_goes_on_from_now_without_a_burst() {
     // A pipe holds only one or two frames this large; the other hundred were due during the stall.
     let options = ["--fps=100", "--width=400", "--height=100"];
     let (frames, time) = count_frames(&options, 40_004, Duration::from_secs(1));
+    assert!(frames > 3.0);
     assert!(
         frames <= 100.0 * time.as_secs_f64() + 10.0,
         "{frames} frames in {time:?}"

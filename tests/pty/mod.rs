@@ -7,12 +7,14 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, native_pty_system};
+use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, SlavePty, native_pty_system};
 use vt100::{Parser, Screen};
 
 pub struct Pty {
     /// Gone once it is hung up.
     master: Option<Box<dyn MasterPty + Send>>,
+    /// Kept, or the terminal would be closed with the program.
+    _slave: Box<dyn SlavePty + Send>,
     child: Box<dyn Child + Send + Sync>,
     keys: Option<Box<dyn Write + Send>>,
     seen: Arc<Mutex<Seen>>,
@@ -73,6 +75,7 @@ impl Pty {
         }));
         Pty {
             master: Some(pair.master),
+            _slave: pair.slave,
             child,
             keys: Some(keys),
             seen,

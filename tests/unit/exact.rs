@@ -26,7 +26,7 @@ fn look(scene: &Scene, axis: &[f64; 3], dx: f64, dy: f64) -> Option<f64> {
     let hits = rays.first_hits();
     assert!(hits.iter().all(|s| !s.is_nan()));
     let luminance = rays.luminance(&hits, scene, axis)[0];
-    hits[0].is_finite().then_some(luminance)
+    hits[0].is_finite().then_some(8.0 * luminance)
 }
 
 fn axis(a: f64, b: f64) -> [f64; 3] {
@@ -357,8 +357,8 @@ proptest! {
         (width, height) in (1_usize..70, 1_usize..40),
         aspect in 0.1..=10.0,
         (a, b) in (-1e9..=1e9, -1e9..=1e9),
-        r2 in (0.0..3.0_f64).prop_map(|exponent| 1.000_001 * 10_f64.powf(exponent)),
-        beyond in (-6.0..6.0_f64).prop_map(|exponent| 10_f64.powf(exponent)),
+        r2 in (0.0..3.0_f64).prop_map(|exponent| 1.000_000_001 * 10_f64.powf(exponent)),
+        beyond in (-12.0..6.0_f64).prop_map(|exponent| 10_f64.powf(exponent)),
         unit in (-3.0..3.0_f64).prop_map(|exponent| 10_f64.powf(exponent)),
     ) {
         let k2 = 1.0 + r2 + beyond;

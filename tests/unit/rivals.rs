@@ -33,7 +33,7 @@ pub fn trace_with<const N: usize>(
                 let luminance = rays.luminance(hits, scene, &axis);
                 for ((cell, &s), luminance) in cells.iter_mut().zip(hits).zip(luminance) {
                     if s < FAR {
-                        *cell = glyph(luminance.min(11.0));
+                        *cell = glyph(luminance.min(1.4));
                     }
                 }
             }
@@ -154,7 +154,7 @@ pub fn donut_c(a: f32, b: f32, camera: &Camera, zbuffer: &mut [f32], framebuffer
             let x = (cx + k1x * ooz * (l * h * m - t * n)) as usize;
             let y = (cy + k1y * ooz * (l * h * n + t * m)) as usize;
             let o = x + camera.width * y;
-            let luminance = 8.0 * ((f * e - c * d * g) * m - c * d * e - f * g - l * d * n);
+            let luminance = (f * e - c * d * g) * m - c * d * e - f * g - l * d * n;
             let inside = camera.height > y && y > 0 && x > 0 && camera.width > x;
             if inside && ooz > zbuffer[o] {
                 zbuffer[o] = ooz;

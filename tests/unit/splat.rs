@@ -106,4 +106,7 @@ fn truncating_is_the_cast_of_c() {
     ] {
         assert_eq!(truncate(value), value as i32, "{value}");
     }
+    for below in [-0.0, -0.3, -0.5, -1.0, -4096.0] {
+        assert!(truncate(below) <= 0, "{below}");
+    }
 }
