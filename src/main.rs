@@ -711,63 +711,58 @@ enum Output {
     DumbTerminal,
 }
 
-/// What a frame's rows are wrapped in.
-struct Wrapping {
-    begin: &'static str,
-    before: String,
-    /// Goes before each row. It stands for column 0, which the framebuffer leaves empty.
-    newline: &'static str,
-    after: String,
+const CLEAR: &[u8] = b"\x1b[2J";
+const HOME: &[u8] = b"\x1b[H";
+const RESET: &[u8] = b"\x1b[0m";
+const BEGIN_UPDATE: &[u8] = b"\x1b[?2026h";
+const END_UPDATE: &[u8] = b"\x1b[?2026l";
+
+/// How a framebuffer becomes bytes.
+struct Encoder {
+    output: Output,
+    /// The SGR sequence to draw in, or nothing.
+    color: String,
+    /// Whether the next frame clears the screen, where something else may have been left.
+    clear: bool,
 }
 
-impl Wrapping {
-    /// On a pipe donut.c's; on a terminal what raw mode needs, within a synchronized update so that
-    /// no half frame shows.
-    fn new(output: Output, color: Option<Color>) -> Wrapping {
+impl Encoder {
+    fn new(output: Output, color: Option<Color>) -> Encoder {
         // The option is explicit, and so stronger than NO_COLOR.
         style::force_color_output(true);
-        let color = color.map(|color| SetForegroundColor(color).to_string());
-        let reset = if color.is_some() { "\x1b[0m" } else { "" };
-        let before = format!("\x1b[H{}", color.unwrap_or_default());
-        let after = format!("\n{reset}");
-        match output {
-            Output::Pipe => Wrapping {
-                begin: "",
-                before,
-                newline: "\n",
-                after,
-            },
-            Output::Terminal => {
-                let after = format!("{reset}\x1b[?2026l");
-                Wrapping {
-                    begin: "\x1b[?2026h",
-                    before,
-                    newline: "\r\n",
-                    after,
-                }
-            }
-            Output::DumbTerminal => Wrapping {
-                begin: "",
-                before: "".into(),
-                newline: "\n",
-                after: "\n".into(),
-            },
+        let escapes = output != Output::DumbTerminal;
+        let color = color.filter(|_| escapes).map(SetForegroundColor);
+        let color = color.map_or(String::new(), |color| color.to_string());
+        Encoder {
+            output,
+            color,
+            clear: escapes,
         }
     }
-}
 
-/// Appends a frame to `out`, on a screen that is cleared first if need be.
-fn encode(framebuffer: &[u8], width: usize, wrapping: &Wrapping, clear: bool, out: &mut Vec<u8>) {
-    out.extend_from_slice(wrapping.begin.as_bytes());
-    if clear {
-        out.extend_from_slice(b"\x1b[2J");
+    /// Appends a frame to `out`. On a pipe these are donut.c's bytes; on a terminal a synchronized
+    /// update, so that no half frame shows, with what raw mode needs for a newline.
+    fn encode(&mut self, framebuffer: &[u8], width: usize, out: &mut Vec<u8>) {
+        let mut put = |when: bool, bytes: &[u8]| {
+            if when {
+                out.extend_from_slice(bytes)
+            }
+        };
+        let terminal = self.output == Output::Terminal;
+        put(terminal, BEGIN_UPDATE);
+        put(self.clear, CLEAR);
+        put(self.output != Output::DumbTerminal, HOME);
+        put(true, self.color.as_bytes());
+        for row in framebuffer.chunks_exact(width) {
+            // The newline stands for column 0, which stays empty.
+            put(true, if terminal { b"\r\n" } else { b"\n" });
+            put(true, &row[1..]);
+        }
+        put(!terminal, b"\n");
+        put(!self.color.is_empty(), RESET);
+        put(terminal, END_UPDATE);
+        self.clear = false;
     }
-    out.extend_from_slice(wrapping.before.as_bytes());
-    for row in framebuffer.chunks_exact(width) {
-        out.extend_from_slice(wrapping.newline.as_bytes());
-        out.extend_from_slice(&row[1..]);
-    }
-    out.extend_from_slice(wrapping.after.as_bytes());
 }
 
 // ---- Terminal ------------------------------------------------------------------------------------
@@ -994,11 +989,9 @@ struct Animation<'a> {
     screen: Option<Screen>,
     renderer: Renderer,
     clock: Clock,
-    wrapping: Wrapping,
+    encoder: Encoder,
     /// Whether the shading is off: every cell of the donut a dot.
     flat: bool,
-    /// Whether the screen is to be cleared, since something else may have been left there.
-    clear: bool,
     stdout: File,
     /// The bytes of a frame.
     out: Vec<u8>,
@@ -1042,9 +1035,8 @@ impl Animation<'_> {
                 frames: 0,
                 spin: options.spin,
             },
-            wrapping: Wrapping::new(output, options.color),
+            encoder: Encoder::new(output, options.color),
             flat: false,
-            clear: output != Output::DumbTerminal,
             stdout: unbuffered_stdout()?,
             out: Vec::new(),
         })
@@ -1074,7 +1066,7 @@ impl Animation<'_> {
         let camera = fit(self.options, &self.scene, self.output);
         if camera != self.renderer.camera {
             self.renderer = Renderer::new(self.scene, camera, self.options.method);
-            self.clear = true;
+            self.encoder.clear = true;
         }
         self.renderer.method = self.options.method.choose(&camera, &self.clock);
         let [a, b] = self.clock.angles();
@@ -1085,14 +1077,8 @@ impl Animation<'_> {
             donut.for_each(|cell| *cell = RAMP[0]);
         }
         self.out.clear();
-        encode(
-            framebuffer,
-            camera.width,
-            &self.wrapping,
-            self.clear,
-            &mut self.out,
-        );
-        self.clear = false;
+        self.encoder
+            .encode(framebuffer, camera.width, &mut self.out);
         self.stdout.write_all(&self.out)?;
         Ok(())
     }
@@ -1110,10 +1096,10 @@ impl Animation<'_> {
                     continue;
                 }
                 Ok(Order::Shade) => self.flat = !self.flat,
-                Ok(Order::Redraw) => self.clear = true,
+                Ok(Order::Redraw) => self.encoder.clear = true,
                 Ok(Order::Suspend) => {
                     self.screen.map_or(Ok(()), Screen::suspend)?;
-                    self.clear = true;
+                    self.encoder.clear = true;
                 }
             }
             self.draw()?;
