@@ -78,11 +78,11 @@ use signal_hook::{consts::SIGTSTP, iterator::Signals};
 #[derive(Parser)]
 #[command(name = "donut", version, after_help = EXAMPLES)]
 struct Options {
-    /// Columns, 1 to 4096 [default: the terminal's, otherwise 80]
+    /// Columns, 1 to 4096, at most the terminal's [default: the terminal's, 80 on a pipe]
     #[arg(long, value_name = "COLS", value_parser = |n: &str| number(n, 1..=4096_u16))]
     width: Option<u16>,
 
-    /// Rows, 1 to 4096 [default: the terminal's less 2, otherwise 22]
+    /// Rows, 1 to 4096, at most the terminal's less 2 [default: the terminal's less 2, 22 on a pipe]
     #[arg(long, value_name = "ROWS", value_parser = |n: &str| number(n, 1..=4096_u16))]
     height: Option<u16>,
 
@@ -110,7 +110,8 @@ struct Options {
     #[arg(long, value_name = "DA,DB", default_value = "0.04,0.02", value_parser = two_angles)]
     spin: [f64; 2],
 
-    /// One colour for the donut: a name (red, dark_cyan, ...), 0 to 255, or #rrggbb
+    /// One colour: 0 to 255, #rrggbb, or red, green, yellow, blue, magenta, cyan or grey, each also as
+    /// in dark_red, or black or white
     #[arg(long, value_parser = color)]
     color: Option<Color>,
 
@@ -198,7 +199,7 @@ fn color(text: &str) -> Result<Color, String> {
             .ok()
             .filter(|&color| color != Color::Reset)
     };
-    color.ok_or_else(|| "expected a colour's name, a number from 0 to 255, or #rrggbb".into())
+    color.ok_or_else(|| "expected a number from 0 to 255, #rrggbb, or a name such as red or dark_red (see --help)".into())
 }
 
 fn main() -> ExitCode {

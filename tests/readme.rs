@@ -33,10 +33,10 @@ fn reading(table: &str) -> String {
     let ([exact, f32, f64], [a, b, c]) = (right.map(time), right.map(|method| sum(method, 1)));
     let cells = sum("exact", 2);
     format!(
-        "- classic: {own}; at a quarter of its steps {quarter}.\n  \
+        "- classic: {own}; with steps a quarter as long, {quarter}.\n  \
          Finer is slower and no better, for the nearest dot in a cell is not at its centre.\n\
          - sphere tracing: {few}, in 32 steps; {many}, in 256.\n  \
-         Rays that graze the donut ask for ever more.\n\
+         Rays that graze the donut need more and more.\n\
          - exact: {exact}; the closed form: {f32} in f32, {f64} in f64.\n  \
          At the three sizes together they draw {a}, {b} and {c} of {cells} cells wrong.\n"
     )

@@ -273,6 +273,11 @@ fn ctrl_z_stops_the_whole_job() {
     pty.wait_for("a frame", |pty| frames(pty) > 0);
     pty.type_bytes(b"\x1a");
     pty.wait_for("the shell's stop", Pty::is_stopped);
+    pty.signal("CONT");
+    let now = frames(&pty);
+    pty.wait_for("more frames", |pty| frames(pty) > now);
+    pty.type_bytes(b"q");
+    assert_eq!(pty.exit(), 0);
 }
 
 #[test]

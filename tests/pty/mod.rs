@@ -106,11 +106,12 @@ impl Pty {
         self.master = None;
     }
 
+    /// Sends a signal to the program and to all that it runs.
     pub fn signal(&self, name: &str) {
-        let process = self.child.process_id().unwrap().to_string();
+        let group = format!("-{}", self.child.process_id().unwrap());
+        let mut kill = Command::new("kill");
         assert!(
-            Command::new("kill")
-                .args(["-s", name, &process])
+            kill.args(["-s", name, "--", &group])
                 .status()
                 .unwrap()
                 .success()
