@@ -220,6 +220,7 @@ fn a_size_that_is_given_stays_and_is_clipped_to_the_screen() {
     let options = [&STILL[..], &["--width=60", "--height=20"]].concat();
     let pty = donut(&options, (80, 24));
     pty.wait_for("60x20", |pty| pty.lines() == picture((80, 24), (60, 22)));
+    pty.scribble();
     pty.resize((120, 40));
     pty.wait_for("60x20 again", |pty| {
         pty.lines() == picture((120, 40), (60, 22))

@@ -100,6 +100,15 @@ impl Pty {
         self.master().resize(pty_size(size)).unwrap();
     }
 
+    /// Leaves something on the screen, as a terminal may that rearranges it for a new size.
+    pub fn scribble(&self) {
+        self.seen
+            .lock()
+            .unwrap()
+            .terminal
+            .process(b"\x1b[2;1Hscribble\x1b[22;1Hscribble");
+    }
+
     /// Closes the terminal, as when its window goes.
     pub fn hang_up(&mut self) {
         self.keys = None;
