@@ -858,8 +858,7 @@ impl Screen {
         self.quit(tell);
     }
 
-    /// Stops the loop, or half a second later, if a terminal that does not read holds it up, the
-    /// program.
+    /// Stops the loop or, if a terminal that does not read holds that up, a little later the program.
     fn quit(self, tell: &Sender<Order>) {
         let _ = tell.send(Order::Quit);
         thread::sleep(Duration::from_millis(700));
