@@ -171,6 +171,10 @@ impl Pty {
         }
     }
 
+    pub fn is_running(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
+    }
+
     /// Waits up to five seconds for the program to end, and says how it did.
     #[track_caller]
     pub fn exit(&mut self) -> u32 {
