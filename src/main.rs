@@ -386,24 +386,24 @@ fn advance(angle: f32, step: f64) -> f32 {
 /// Sines and cosines once round a circle, as in donut.c's `for (float i = 0; 6.28 > i; i += step)`.
 ///
 /// At donut.c's steps no sample lies between 6.28 and 2 pi, and at finer ones it leaves a seam.
-struct Turn {
+struct Circle {
     sin: Vec<f32>,
     cos: Vec<f32>,
 }
 
-impl Turn {
-    fn new(step: f64) -> Turn {
+impl Circle {
+    fn new(step: f64) -> Circle {
         let angles = std::iter::successors(Some(0.0), |&angle| Some(advance(angle, step)));
         let angles = angles.take_while(|&angle| f64::from(angle) < TAU);
         let (sin, cos) = angles.map(sin_cos).unzip();
-        Turn { sin, cos }
+        Circle { sin, cos }
     }
 }
 
 /// The surface as a cloud of samples, of which the nearest in each cell shows.
 struct Splat {
-    theta: Turn,
-    phi: Turn,
+    theta: Circle,
+    phi: Circle,
     ring: Ring,
     /// 1/z of what each cell shows, larger is nearer; 0 where the donut is not.
     zbuffer: Vec<f32>,
@@ -414,7 +414,7 @@ impl Splat {
     /// point of the surface again moves at most a cell in a step, or there would be holes.
     fn new(camera: &Camera) -> Splat {
         let shrink = f64::min(1.0, Camera::DONUT_C.k1x / camera.k1x.max(camera.k1y));
-        let (theta, phi) = (Turn::new(0.07 * shrink), Turn::new(0.02 * shrink));
+        let (theta, phi) = (Circle::new(0.07 * shrink), Circle::new(0.02 * shrink));
         let ring = Ring::new(phi.sin.len());
         Splat {
             theta,
@@ -469,7 +469,7 @@ impl Ring {
     fn sample(
         &mut self,
         (sin_theta, cos_theta): (f32, f32),
-        phi: &Turn,
+        phi: &Circle,
         ((sin_a, cos_a), (sin_b, cos_b)): ((f32, f32), (f32, f32)),
         camera: &Camera,
     ) {

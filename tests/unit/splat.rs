@@ -30,7 +30,7 @@ fn exact_hardly_flickers_where_classic_shimmers() {
 /// A splat with these steps of theta and phi.
 pub fn with_steps(camera: &Camera, theta: f64, phi: f64) -> Splat {
     let mut splat = Splat::new(camera);
-    (splat.theta, splat.phi) = (Turn::new(theta), Turn::new(phi));
+    (splat.theta, splat.phi) = (Circle::new(theta), Circle::new(phi));
     splat.ring = Ring::new(splat.phi.sin.len());
     splat
 }
