@@ -552,7 +552,7 @@ fn trace(a: f64, b: f64, scene: &Scene, camera: &Camera, framebuffer: &mut [u8])
         let dy = (row as f64 + 0.5 - camera.cy) / camera.k1y;
         // Rays beyond the limb have nothing to hit.
         let half = (limb * limb - dy * dy).max(0.0).sqrt() * camera.k1x;
-        let first = ((camera.cx - half) as usize).max(1);
+        let first = (camera.cx - half) as usize;
         let last = ((camera.cx + half) as usize + 1).min(camera.width);
         for column in (first..last).step_by(LANES) {
             let x = |lane| (column + lane) as f64 + 0.5;
@@ -597,6 +597,7 @@ impl Rays {
         let Scene { r2, k2 } = *scene;
         let (inner, outer) = ((r2 - 1.0) * (r2 - 1.0), (r2 + 1.0) * (r2 + 1.0));
         let dot = |[x, y, z]: [f64; 3]| x * axis[0] + y * axis[1] + z * axis[2];
+        debug_assert!(dy.is_finite() && dx.iter().all(|dx| dx.is_finite()));
         let mut rays = Rays::default();
         for (i, &dx) in dx.iter().enumerate() {
             let cos = 1.0 / (1.0 + dx * dx + dy * dy).sqrt();

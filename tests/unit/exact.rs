@@ -352,6 +352,9 @@ fn no_pose_is_cut_off_and_the_donut_is_as_large_as_it_can_be() {
 }
 
 proptest! {
+    // A case that fails is printed, not kept in the tree.
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     #[test]
     fn anywhere_in_the_domain_of_the_options_the_picture_is_right(
         (width, height) in (1_usize..70, 1_usize..40),
