@@ -713,6 +713,18 @@ enum Output {
     DumbTerminal,
 }
 
+impl Output {
+    fn detect() -> Output {
+        if !io::stdout().is_terminal() {
+            Output::Pipe
+        } else if env::var_os("TERM").is_some_and(|term| term == "dumb") {
+            Output::DumbTerminal
+        } else {
+            Output::Terminal
+        }
+    }
+}
+
 const CLEAR: &[u8] = b"\x1b[2J";
 const HOME: &[u8] = b"\x1b[H";
 const RESET: &[u8] = b"\x1b[0m";
@@ -905,18 +917,6 @@ fn terminal_size() -> (u16, u16) {
     match terminal::size() {
         Ok((columns, rows)) if columns > 0 && rows > 0 => (columns, rows),
         _ => (80, 24),
-    }
-}
-
-impl Output {
-    fn detect() -> Output {
-        if !io::stdout().is_terminal() {
-            Output::Pipe
-        } else if env::var_os("TERM").is_some_and(|term| term == "dumb") {
-            Output::DumbTerminal
-        } else {
-            Output::Terminal
-        }
     }
 }
 
