@@ -238,10 +238,9 @@ impl Scene {
     /// The scene of the options, or why it cannot be drawn.
     fn new(options: &Options) -> Result<Scene, String> {
         let &Options { r1, r2, k2, .. } = options;
-        let (ring, distance) = (r2 / r1, k2 / r1);
         let scene = Scene {
-            r2: ring,
-            k2: distance,
+            r2: r2 / r1,
+            k2: k2 / r1,
         };
         let refuse = |value: &dyn Display, option, expected| {
             Err(format!(
@@ -250,13 +249,13 @@ impl Scene {
         };
         if r1 >= r2 {
             refuse(&r1, "--r1 <R>", format!("less than --r2, {r2}"))
-        } else if ring > 1000.0 {
+        } else if scene.r2 > 1000.0 {
             refuse(
                 &r1,
                 "--r1 <R>",
                 format!("a thousandth of --r2, {r2}, or more"),
             )
-        } else if k2 <= r1 + r2 || distance <= scene.sphere() {
+        } else if k2 <= r1 + r2 || scene.k2 <= scene.sphere() {
             refuse(
                 &k2,
                 "--k2 <D>",
@@ -985,8 +984,6 @@ impl Method {
 /// The donut as it is shown, frame after frame.
 struct Animation<'a> {
     options: &'a Options,
-    scene: Scene,
-    output: Output,
     screen: Option<Screen>,
     renderer: Renderer,
     clock: Clock,
@@ -1027,8 +1024,6 @@ impl Animation<'_> {
     fn new(options: &Options, scene: Scene, output: Output) -> io::Result<Animation<'_>> {
         Ok(Animation {
             options,
-            scene,
-            output,
             screen: None,
             renderer: Renderer::new(scene, fit(options, &scene, output), options.method),
             clock: Clock {
@@ -1064,9 +1059,10 @@ impl Animation<'_> {
     }
 
     fn draw(&mut self) -> io::Result<()> {
-        let camera = fit(self.options, &self.scene, self.output);
+        let scene = self.renderer.scene;
+        let camera = fit(self.options, &scene, self.encoder.output);
         if camera != self.renderer.camera {
-            self.renderer = Renderer::new(self.scene, camera, self.options.method);
+            self.renderer = Renderer::new(scene, camera, self.options.method);
             self.encoder.clear = true;
         }
         self.renderer.method = self.options.method.choose(&camera, &self.clock);
