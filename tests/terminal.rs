@@ -55,14 +55,20 @@ fn frames(pty: &Pty) -> usize {
     pty.written().matches("\x1b[?2026l").count()
 }
 
+/// Presses q, which ends it.
+#[track_caller]
+fn assert_quits(pty: &mut Pty) {
+    pty.type_bytes(b"q");
+    assert_eq!(pty.exit(), 0);
+}
+
 #[test]
 fn the_picture_fits_the_screen_at_every_size() {
     for size in [(80, 24), (120, 40), (200, 50), (20, 6), (3, 4), (2, 3)] {
         let mut pty = still_donut(size);
         pty.wait_for("some frames", |pty| frames(pty) > 5);
         assert_eq!(pty.lines(), picture(size, size));
-        pty.type_bytes(b"q");
-        assert_eq!(pty.exit(), 0);
+        assert_quits(&mut pty);
     }
 }
 
@@ -162,8 +168,7 @@ fn other_keys_do_nothing_and_are_not_echoed_however_fast_they_come() {
     let now = frames(&pty);
     pty.wait_for("more frames", |pty| frames(pty) > now + 10);
     assert_eq!(pty.lines(), picture((80, 24), (80, 24)));
-    pty.type_bytes(b"q");
-    assert_eq!(pty.exit(), 0);
+    assert_quits(&mut pty);
 }
 
 #[test]
@@ -203,8 +208,7 @@ fn a_storm_of_resizes_ends_with_the_picture_of_the_last_size() {
         pty.lines() == picture((100, 30), (100, 30))
     });
     assert!(pty.screen(|screen| (0..30).all(|row| !screen.row_wrapped(row))));
-    pty.type_bytes(b"q");
-    assert_eq!(pty.exit(), 0);
+    assert_quits(&mut pty);
     pty.assert_restored();
 }
 
@@ -214,8 +218,7 @@ fn sizes_of_one_and_nothing_are_survived() {
         let mut pty = donut(&["--fps=0"], size);
         pty.wait_for("some frames", |pty| frames(pty) > 20);
         assert!(pty.lines().iter().all(String::is_empty));
-        pty.type_bytes(b"q");
-        assert_eq!(pty.exit(), 0);
+        assert_quits(&mut pty);
     }
     // A terminal that does not know its size is taken for 80x24.
     let pty = donut(&STILL, (0, 0));
@@ -270,8 +273,7 @@ fn ctrl_z_and_sigtstp_give_the_terminal_back_and_fg_redraws() {
             });
             assert!(pty.screen(|screen| screen.alternate_screen() && screen.hide_cursor()));
         }
-        pty.type_bytes(b"q");
-        assert_eq!(pty.exit(), 0);
+        assert_quits(&mut pty);
         pty.assert_restored();
     }
 }
@@ -286,8 +288,7 @@ fn ctrl_z_stops_the_whole_job() {
     pty.signal("CONT");
     let now = frames(&pty);
     pty.wait_for("more frames", |pty| frames(pty) > now);
-    pty.type_bytes(b"q");
-    assert_eq!(pty.exit(), 0);
+    assert_quits(&mut pty);
 }
 
 #[test]

@@ -6,7 +6,6 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use super::exact::own_poses;
 use super::rivals::{donut_c, first_root_f32, first_root_f64, sphere_trace, trace_with};
 use super::splat::with_steps;
 use super::*;

@@ -52,13 +52,6 @@ fn compare(r1: f64, r2: f64, k2: f64, camera: Camera, poses: &[(f64, f64)]) -> T
     tally
 }
 
-/// Every 61st of donut.c's own poses.
-pub fn own_poses(count: usize) -> Vec<(f64, f64)> {
-    (0..count)
-        .map(|n| (2.44 * n as f64, 1.22 * n as f64))
-        .collect()
-}
-
 #[test]
 fn a_million_random_rays_see_what_the_oracle_sees() {
     let mut random = Random(2006);

@@ -51,6 +51,13 @@ fn level(glyph: u8) -> Option<usize> {
     level
 }
 
+/// Every 61st of donut.c's own poses.
+fn own_poses(count: usize) -> Vec<(f64, f64)> {
+    (0..count)
+        .map(|n| (2.44 * n as f64, 1.22 * n as f64))
+        .collect()
+}
+
 fn draw(method: Method, scene: Scene, camera: Camera, a: f64, b: f64) -> Vec<u8> {
     let mut renderer = Renderer::new(scene, camera, method);
     renderer.render_frame(a, b);

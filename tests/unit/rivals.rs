@@ -19,7 +19,7 @@ pub fn trace_with<const N: usize>(
     for (row, cells) in rows.skip(1) {
         let dy = (row as f64 + 0.5 - camera.cy) / camera.k1y;
         let half = (scene.limb().powi(2) - dy * dy).max(0.0).sqrt() * camera.k1x;
-        let first = ((camera.cx - half) as usize).max(1);
+        let first = (camera.cx - half) as usize;
         let last = ((camera.cx + half) as usize + 1).min(camera.width);
         for column in (first..last).step_by(N * LANES) {
             let dx = |ray| ((column + ray) as f64 + 0.5 - camera.cx) / camera.k1x;

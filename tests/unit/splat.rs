@@ -39,8 +39,7 @@ pub fn with_steps(camera: &Camera, theta: f64, phi: f64) -> Splat {
 fn wrong_share(camera: Camera, finer: f64) -> f64 {
     let mut splat = with_steps(&camera, 0.07 / finer, 0.02 / finer);
     let mut tally = Tally::default();
-    for n in (0..).step_by(61).take(12) {
-        let (a, b) = (0.04 * n as f64, 0.02 * n as f64);
+    for (a, b) in own_poses(12) {
         let mut framebuffer = vec![b' '; camera.width * camera.height];
         splat.draw(a as f32, b as f32, &camera, &mut framebuffer);
         tally.add(&Oracle::new(1.0, 2.0, 5.0, a, b), &camera, &framebuffer);
