@@ -161,11 +161,7 @@ fn number<T: FromStr + PartialOrd + Display>(
     range: RangeInclusive<T>,
 ) -> Result<T, String> {
     let number = text.parse().ok().filter(|number| range.contains(number));
-    let kind = if "0.5".parse::<T>().is_ok() {
-        "number"
-    } else {
-        "whole number"
-    };
+    let kind = if "0.5".parse::<T>().is_ok() { "number" } else { "whole number" };
     let (low, high) = (range.start(), range.end());
     number.ok_or_else(|| format!("expected a {kind} from {low} to {high}"))
 }
@@ -175,9 +171,7 @@ fn angle(text: &str) -> Result<f64, String> {
 }
 
 fn two_angles(text: &str) -> Result<[f64; 2], String> {
-    let two = text
-        .split_once(',')
-        .ok_or("expected two numbers with a comma between them")?;
+    let two = text.split_once(',').ok_or("expected two numbers with a comma between them")?;
     Ok([angle(two.0)?, angle(two.1)?])
 }
 
@@ -186,18 +180,14 @@ fn length(text: &str) -> Result<f64, String> {
 }
 
 fn color(text: &str) -> Result<Color, String> {
-    let hex = text
-        .strip_prefix('#')
-        .filter(|hex| hex.len() == 6 && !hex.starts_with('+'));
+    let hex = text.strip_prefix('#').filter(|hex| hex.len() == 6 && !hex.starts_with('+'));
     let color = if let Some(rgb) = hex.and_then(|hex| u32::from_str_radix(hex, 16).ok()) {
         let [_, r, g, b] = rgb.to_be_bytes();
         Some(Color::Rgb { r, g, b })
     } else if let Ok(index) = text.parse() {
         Some(Color::AnsiValue(index))
     } else {
-        Color::try_from(text)
-            .ok()
-            .filter(|&color| color != Color::Reset)
+        Color::try_from(text).ok().filter(|&color| color != Color::Reset)
     };
     color.ok_or_else(|| "expected a number from 0 to 255, #rrggbb, or a name such as red or dark_red (see --help)".into())
 }
@@ -238,29 +228,16 @@ impl Scene {
     /// The scene of the options, or why it cannot be drawn.
     fn new(options: &Options) -> Result<Scene, String> {
         let &Options { r1, r2, k2, .. } = options;
-        let scene = Scene {
-            r2: r2 / r1,
-            k2: k2 / r1,
-        };
+        let scene = Scene { r2: r2 / r1, k2: k2 / r1 };
         let refuse = |value: &dyn Display, option, expected| {
-            Err(format!(
-                "invalid value '{value}' for '{option}': expected {expected}"
-            ))
+            Err(format!("invalid value '{value}' for '{option}': expected {expected}"))
         };
         if r1 >= r2 {
             refuse(&r1, "--r1 <R>", format!("less than --r2, {r2}"))
         } else if scene.r2 > 1000.0 {
-            refuse(
-                &r1,
-                "--r1 <R>",
-                format!("a thousandth of --r2, {r2}, or more"),
-            )
+            refuse(&r1, "--r1 <R>", format!("a thousandth of --r2, {r2}, or more"))
         } else if k2 <= r1 + r2 || scene.k2 <= scene.sphere() {
-            refuse(
-                &k2,
-                "--k2 <D>",
-                format!("more than --r1 plus --r2, {}", r1 + r2),
-            )
+            refuse(&k2, "--k2 <D>", format!("more than --r1 plus --r2, {}", r1 + r2))
         } else if options.method == Method::Classic && scene != Scene::DONUT_C {
             let others = "exact or auto, unless --r1, --r2, --k2 are 1, 2, 5".into();
             refuse(&"classic", "--method <METHOD>", others)
@@ -295,14 +272,8 @@ struct Camera {
 }
 
 impl Camera {
-    const DONUT_C: Camera = Camera {
-        width: 80,
-        height: 22,
-        cx: 40.0,
-        cy: 12.0,
-        k1x: 30.0,
-        k1y: 15.0,
-    };
+    const DONUT_C: Camera =
+        Camera { width: 80, height: 22, cx: 40.0, cy: 12.0, k1x: 30.0, k1y: 15.0 };
 
     /// donut.c's own camera for its size and scene, and otherwise the largest that cuts off no pose.
     /// `aspect` is the height of a cell over its width.
@@ -313,14 +284,7 @@ impl Camera {
         let (w, h) = (width as f64, height as f64);
         let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / scene.limb();
         let (cx, cy) = ((w + 1.0) / 2.0, (h + 1.0) / 2.0);
-        Camera {
-            width,
-            height,
-            cx,
-            cy,
-            k1x,
-            k1y: k1x / aspect,
-        }
+        Camera { width, height, cx, cy, k1x, k1y: k1x / aspect }
     }
 }
 
@@ -348,13 +312,7 @@ struct Renderer {
 impl Renderer {
     fn new(scene: Scene, camera: Camera, method: Method) -> Renderer {
         let framebuffer = vec![b' '; camera.width * camera.height];
-        Renderer {
-            scene,
-            camera,
-            method,
-            framebuffer,
-            splat: None,
-        }
+        Renderer { scene, camera, method, framebuffer, splat: None }
     }
 
     /// Draws the donut turned by A and B into the framebuffer.
@@ -415,12 +373,7 @@ impl Splat {
         let shrink = f64::min(1.0, Camera::DONUT_C.k1x / camera.k1x.max(camera.k1y));
         let (theta, phi) = (Circle::new(0.07 * shrink), Circle::new(0.02 * shrink));
         let ring = Ring::new(phi.sin.len());
-        Splat {
-            theta,
-            phi,
-            ring,
-            zbuffer: vec![0.0; camera.width * camera.height],
-        }
+        Splat { theta, phi, ring, zbuffer: vec![0.0; camera.width * camera.height] }
     }
 
     fn draw(&mut self, a: f32, b: f32, camera: &Camera, framebuffer: &mut [u8]) {
@@ -429,8 +382,7 @@ impl Splat {
         // Samples that fall outside the picture go to cell 0, where nothing is ever nearer.
         self.zbuffer[0] = f32::INFINITY;
         for (&sin_theta, &cos_theta) in self.theta.sin.iter().zip(&self.theta.cos) {
-            self.ring
-                .sample((sin_theta, cos_theta), &self.phi, pose, camera);
+            self.ring.sample((sin_theta, cos_theta), &self.phi, pose, camera);
             self.ring.locate(camera);
             self.ring.plot(&mut self.zbuffer, framebuffer);
         }
@@ -455,13 +407,7 @@ struct Ring {
 impl Ring {
     fn new(samples: usize) -> Ring {
         let zeros = || vec![0.0; samples];
-        Ring {
-            ooz: zeros(),
-            x: zeros(),
-            y: zeros(),
-            luminance: zeros(),
-            cell: vec![0; samples],
-        }
+        Ring { ooz: zeros(), x: zeros(), y: zeros(), luminance: zeros(), cell: vec![0; samples] }
     }
 
     /// donut.c's formulas, in f32 and in its order of operations, for one theta and every phi.
@@ -496,11 +442,7 @@ impl Ring {
         for ((&x, &y), cell) in self.x.iter().zip(&self.y).zip(&mut self.cell) {
             let (column, row) = (truncate(x), truncate(y));
             let inside = (0 < column) & (column < width) & (0 < row) & (row < height);
-            *cell = if inside {
-                (column + width * row) as u32
-            } else {
-                0
-            };
+            *cell = if inside { (column + width * row) as u32 } else { 0 };
         }
     }
 
@@ -543,11 +485,7 @@ fn trace(a: f64, b: f64, scene: &Scene, camera: &Camera, framebuffer: &mut [u8])
     let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
     let axis = [sin_a * sin_b, -sin_a * cos_b, cos_a];
     let limb = scene.limb();
-    for (row, cells) in framebuffer
-        .chunks_exact_mut(camera.width)
-        .enumerate()
-        .skip(1)
-    {
+    for (row, cells) in framebuffer.chunks_exact_mut(camera.width).enumerate().skip(1) {
         let dy = (row as f64 + 0.5 - camera.cy) / camera.k1y;
         // Rays beyond the limb have nothing to hit.
         let half = (limb * limb - dy * dy).max(0.0).sqrt() * camera.k1x;
@@ -662,12 +600,7 @@ impl Search {
 
     fn new(rays: &Rays) -> Search {
         let far = [FAR; LANES];
-        let mut search = Search {
-            s: far,
-            last_step: far,
-            limit: far,
-            second: far,
-        };
+        let mut search = Search { s: far, last_step: far, limit: far, second: far };
         for i in 0..LANES {
             let w = (-rays.p[i] / 6.0).max(0.0).sqrt();
             (search.s[i], search.limit[i], search.second[i]) = (-rays.h[i], -w, w);
@@ -746,11 +679,7 @@ impl Encoder {
         let escapes = output != Output::DumbTerminal;
         let color = color.filter(|_| escapes).map(SetForegroundColor);
         let color = color.map_or(String::new(), |color| color.to_string());
-        Encoder {
-            output,
-            color,
-            clear: escapes,
-        }
+        Encoder { output, color, clear: escapes }
     }
 
     /// Appends a frame to `out`. On a pipe these are donut.c's bytes; on a terminal a synchronized
@@ -819,10 +748,7 @@ struct Screen {
 impl Screen {
     /// Takes the terminal, and has whatever happens to it told to the loop.
     fn open(alternate: bool, tell: &Sender<Order>) -> io::Result<Screen> {
-        let screen = Screen {
-            keys: io::stdin().is_terminal(),
-            alternate,
-        };
+        let screen = Screen { keys: io::stdin().is_terminal(), alternate };
         screen.hear_signals(tell)?;
         let report = panic::take_hook();
         panic::set_hook(Box::new(move |panic| {
@@ -843,11 +769,7 @@ impl Screen {
         #[cfg(unix)]
         {
             let (suspend, mut stops) = (tell.clone(), Signals::new([SIGTSTP])?);
-            thread::spawn(move || {
-                stops
-                    .forever()
-                    .try_for_each(|_| suspend.send(Order::Suspend))
-            });
+            thread::spawn(move || stops.forever().try_for_each(|_| suspend.send(Order::Suspend)));
         }
         Ok(())
     }
@@ -1026,11 +948,7 @@ impl Animation<'_> {
             options,
             screen: None,
             renderer: Renderer::new(scene, fit(options, &scene, output), options.method),
-            clock: Clock {
-                origin: [options.a, options.b],
-                frames: 0,
-                spin: options.spin,
-            },
+            clock: Clock { origin: [options.a, options.b], frames: 0, spin: options.spin },
             encoder: Encoder::new(output, options.color),
             flat: false,
             stdout: unbuffered_stdout()?,
@@ -1074,8 +992,7 @@ impl Animation<'_> {
             donut.for_each(|cell| *cell = RAMP[0]);
         }
         self.out.clear();
-        self.encoder
-            .encode(framebuffer, camera.width, &mut self.out);
+        self.encoder.encode(framebuffer, camera.width, &mut self.out);
         self.stdout.write_all(&self.out)?;
         Ok(())
     }

@@ -7,32 +7,20 @@ use sha2::{Digest, Sha256};
 
 /// The program's standard output.
 fn donut(options: &[&str]) -> Vec<u8> {
-    let output = Command::new(env!("CARGO_BIN_EXE_donut"))
-        .args(options)
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let output = Command::new(env!("CARGO_BIN_EXE_donut")).args(options).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     output.stdout
 }
 
 /// The frames of a stream, each without its `ESC [ H`.
 fn frames(stream: &[u8]) -> Vec<String> {
     let stream = String::from_utf8(stream.to_vec()).unwrap();
-    let stream = stream
-        .strip_prefix("\x1b[2J\x1b[H")
-        .expect("a cleared screen");
+    let stream = stream.strip_prefix("\x1b[2J\x1b[H").expect("a cleared screen");
     stream.split("\x1b[H").map(String::from).collect()
 }
 
 fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Compares a frame with the one stored, and shows both where they differ.

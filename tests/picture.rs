@@ -16,9 +16,8 @@ fn frames() -> Vec<String> {
     let turn = std::f64::consts::TAU / FRAMES as f64;
     let spin = format!("--spin={},{}", 2.0 * turn, turn);
     let frames = format!("--frames={FRAMES}");
-    let output = Command::new(env!("CARGO_BIN_EXE_donut"))
-        .args([&spin, &frames, "--fps=0"])
-        .output();
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_donut")).args([&spin, &frames, "--fps=0"]).output();
     let stream = String::from_utf8(output.unwrap().stdout).unwrap();
     stream.split("\x1b[H").skip(1).map(String::from).collect()
 }
@@ -67,8 +66,5 @@ fn the_moving_picture_shows_the_programs_own_frames() {
     }
     assert!(svg.len() < 400_000, "{} bytes", svg.len());
     let stored = std::fs::read_to_string(path).unwrap();
-    assert!(
-        stored == svg,
-        "tests/donut.svg is stale: run UPDATE=1 cargo test, and commit"
-    );
+    assert!(stored == svg, "tests/donut.svg is stale: run UPDATE=1 cargo test, and commit");
 }

@@ -21,12 +21,7 @@ fn reading(table: &str) -> String {
         format!("{}, {:.2} % wrong", time(method), 100.0 * wrong / cells)
     };
     let sizes = ["80x22", "160x44", "320x88"];
-    let sum = |method, n: usize| {
-        sizes
-            .iter()
-            .map(|size| figures(method, size)[n])
-            .sum::<f64>()
-    };
+    let sum = |method, n: usize| sizes.iter().map(|size| figures(method, size)[n]).sum::<f64>();
     let [own, quarter] = ["classic x1", "classic x1/4"].map(share);
     let [few, many] = ["sphere tracing 32", "sphere tracing 256"].map(share);
     let right = ["exact", "closed form f32", "closed form f64"];

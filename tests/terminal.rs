@@ -27,24 +27,12 @@ fn still_donut(size: (u16, u16)) -> Pty {
 
 /// The lines of a screen with the still donut of another size, or the same, on it.
 fn picture((columns, rows): (u16, u16), (width, height): (u16, u16)) -> Vec<String> {
-    let size = [
-        format!("--width={width}"),
-        format!("--height={}", height.saturating_sub(2).max(1)),
-    ];
+    let size =
+        [format!("--width={width}"), format!("--height={}", height.saturating_sub(2).max(1))];
     let size = [&size[0][..], &size[1]];
-    let output = Command::new(DONUT)
-        .args(STILL)
-        .args(size)
-        .arg("--frames=1")
-        .output()
-        .unwrap();
-    let frame = String::from_utf8(output.stdout)
-        .unwrap()
-        .replace("\x1b[2J\x1b[H", "");
-    let mut lines: Vec<_> = frame
-        .lines()
-        .map(|line| line.trim_end().to_string())
-        .collect();
+    let output = Command::new(DONUT).args(STILL).args(size).arg("--frames=1").output().unwrap();
+    let frame = String::from_utf8(output.stdout).unwrap().replace("\x1b[2J\x1b[H", "");
+    let mut lines: Vec<_> = frame.lines().map(|line| line.trim_end().to_string()).collect();
     assert!(lines.iter().all(|line| line.len() < columns.into()));
     lines.resize(rows.into(), String::new());
     lines
@@ -126,9 +114,7 @@ fn p_pauses_and_resumes() {
     sleep(Duration::from_millis(500));
     assert_eq!(frames(&pty), paused);
     pty.resize((100, 30));
-    pty.wait_for("the paused picture at the new size", |pty| {
-        frames(pty) > paused
-    });
+    pty.wait_for("the paused picture at the new size", |pty| frames(pty) > paused);
     let resized = frames(&pty);
     pty.type_bytes(b"p");
     pty.wait_for("more frames", |pty| frames(pty) > resized + 5);
@@ -141,11 +127,7 @@ fn space_switches_the_shading_off_and_on() {
     let mut pty = still_donut((80, 24));
     let flat: Vec<String> = picture((80, 24), (80, 24))
         .iter()
-        .map(|line| {
-            line.chars()
-                .map(|c| if c == ' ' { ' ' } else { '.' })
-                .collect()
-        })
+        .map(|line| line.chars().map(|c| if c == ' ' { ' ' } else { '.' }).collect())
         .collect();
     pty.type_bytes(b" ");
     pty.wait_for("dots", |pty| pty.lines() == flat);
@@ -157,12 +139,7 @@ fn space_switches_the_shading_off_and_on() {
 fn other_keys_do_nothing_and_are_not_echoed_however_fast_they_come() {
     let mut pty = still_donut((80, 24));
     let mut bytes = b"abcQP\r\n\t\x7f\x01\x1b[A\x1bOP\x1b[5~\x1b[<0;10;10M\xff\xfe\xc3(".repeat(50);
-    bytes.extend(
-        b"wide open spaces"
-            .repeat(500)
-            .iter()
-            .filter(|byte| !b" pq".contains(byte)),
-    );
+    bytes.extend(b"wide open spaces".repeat(500).iter().filter(|byte| !b" pq".contains(byte)));
     bytes.extend(b"\x1b[<35;40;12M".repeat(500));
     pty.type_bytes(&bytes);
     let now = frames(&pty);
@@ -188,25 +165,14 @@ fn an_arrow_key_that_comes_in_pieces_is_no_escape() {
 #[test]
 fn a_storm_of_resizes_ends_with_the_picture_of_the_last_size() {
     let mut pty = still_donut((80, 24));
-    for size in [
-        (1, 1),
-        (0, 0),
-        (1, 50),
-        (50, 1),
-        (1000, 500),
-        (2, 2),
-        (80, 24),
-        (33, 11),
-    ]
-    .repeat(5)
+    for size in
+        [(1, 1), (0, 0), (1, 50), (50, 1), (1000, 500), (2, 2), (80, 24), (33, 11)].repeat(5)
     {
         pty.resize(size);
         sleep(Duration::from_millis(3));
     }
     pty.resize((100, 30));
-    pty.wait_for("the last picture", |pty| {
-        pty.lines() == picture((100, 30), (100, 30))
-    });
+    pty.wait_for("the last picture", |pty| pty.lines() == picture((100, 30), (100, 30)));
     assert!(pty.screen(|screen| (0..30).all(|row| !screen.row_wrapped(row))));
     assert_quits(&mut pty);
     pty.assert_restored();
@@ -234,9 +200,7 @@ fn a_size_that_is_given_stays_and_is_clipped_to_the_screen() {
     pty.wait_for("60x20", |pty| pty.lines() == picture((80, 24), (60, 22)));
     pty.scribble();
     pty.resize((120, 40));
-    pty.wait_for("60x20 again", |pty| {
-        pty.lines() == picture((120, 40), (60, 22))
-    });
+    pty.wait_for("60x20 again", |pty| pty.lines() == picture((120, 40), (60, 22)));
     pty.resize((30, 10));
     pty.wait_for("30x8", |pty| pty.lines() == picture((30, 10), (30, 10)));
 }
@@ -254,10 +218,7 @@ fn signals_end_it_and_restore() {
 
 #[test]
 fn ctrl_z_and_sigtstp_give_the_terminal_back_and_fg_redraws() {
-    for stop in [
-        |pty: &mut Pty| pty.type_bytes(b"\x1a"),
-        |pty: &mut Pty| pty.signal("TSTP"),
-    ] {
+    for stop in [|pty: &mut Pty| pty.type_bytes(b"\x1a"), |pty: &mut Pty| pty.signal("TSTP")] {
         let mut pty = still_donut((80, 24));
         for _ in 0..2 {
             stop(&mut pty);
@@ -268,9 +229,7 @@ fn ctrl_z_and_sigtstp_give_the_terminal_back_and_fg_redraws() {
             pty.assert_restored();
             pty.resize((90, 30));
             pty.signal("CONT");
-            pty.wait_for("the picture", |pty| {
-                pty.lines() == picture((90, 30), (90, 30))
-            });
+            pty.wait_for("the picture", |pty| pty.lines() == picture((90, 30), (90, 30)));
             assert!(pty.screen(|screen| screen.alternate_screen() && screen.hide_cursor()));
         }
         assert_quits(&mut pty);
@@ -303,10 +262,7 @@ fn it_ends_when_the_terminal_goes() {
 
 #[test]
 fn it_ends_when_the_terminal_does_not_read() {
-    for stop in [
-        |pty: &mut Pty| pty.type_bytes(b"q"),
-        |pty: &mut Pty| pty.signal("TERM"),
-    ] {
+    for stop in [|pty: &mut Pty| pty.type_bytes(b"q"), |pty: &mut Pty| pty.signal("TERM")] {
         let mut pty = Pty::run_unread(DONUT, &["--fps=0"], (80, 24), "xterm");
         sleep(Duration::from_secs(1));
         stop(&mut pty);
@@ -318,13 +274,9 @@ fn it_ends_when_the_terminal_does_not_read() {
 fn without_keys_it_runs_on_signals() {
     let command = format!("exec {DONUT} --spin 0,0 -A 1 -B 0.5 < /dev/null");
     let mut pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
-    pty.wait_for("the picture", |pty| {
-        pty.lines() == picture((80, 24), (80, 24))
-    });
+    pty.wait_for("the picture", |pty| pty.lines() == picture((80, 24), (80, 24)));
     pty.resize((60, 20));
-    pty.wait_for("the new size", |pty| {
-        pty.lines() == picture((60, 20), (60, 20))
-    });
+    pty.wait_for("the new size", |pty| pty.lines() == picture((60, 20), (60, 20)));
     pty.signal("TERM");
     assert_eq!(pty.exit(), 0);
     pty.assert_restored();
@@ -360,13 +312,8 @@ fn a_colour_is_one_sequence_a_frame_also_with_no_color() {
     ] {
         let command = format!("NO_COLOR=1 exec {DONUT} --color '{color}' -A 1 -B 0.5 --spin 0,0");
         let pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
-        pty.wait_for("the picture", |pty| {
-            pty.lines() == picture((80, 24), (80, 24))
-        });
-        assert_eq!(
-            pty.screen(|screen| screen.cell(12, 30).unwrap().fgcolor()),
-            expected
-        );
+        pty.wait_for("the picture", |pty| pty.lines() == picture((80, 24), (80, 24)));
+        assert_eq!(pty.screen(|screen| screen.cell(12, 30).unwrap().fgcolor()), expected);
         pty.wait_for("some frames", |pty| frames(pty) > 5);
         let written = pty.written();
         let last = written.rsplit("\x1b[?2026h").nth(1).unwrap();
@@ -382,8 +329,5 @@ fn thirty_frames_a_second_are_ninety_in_three() {
     sleep(Duration::from_secs(3));
     let (count, time) = ((frames(&pty) - first) as f64, start.elapsed().as_secs_f64());
     // A machine under load may lose frames; none are made up for.
-    assert!(
-        15.0 * time < count && count < 30.0 * time + 5.0,
-        "{count} in {time} s"
-    );
+    assert!(15.0 * time < count && count < 30.0 * time + 5.0, "{count} in {time} s");
 }

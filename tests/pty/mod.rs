@@ -28,18 +28,11 @@ struct Seen {
 }
 
 fn rows_and_columns((columns, rows): (u16, u16)) -> (NonZeroU16, NonZeroU16) {
-    (
-        rows.try_into().unwrap_or(NonZeroU16::MIN),
-        columns.try_into().unwrap_or(NonZeroU16::MIN),
-    )
+    (rows.try_into().unwrap_or(NonZeroU16::MIN), columns.try_into().unwrap_or(NonZeroU16::MIN))
 }
 
 fn pty_size((cols, rows): (u16, u16)) -> PtySize {
-    PtySize {
-        rows,
-        cols,
-        ..PtySize::default()
-    }
+    PtySize { rows, cols, ..PtySize::default() }
 }
 
 impl Pty {
@@ -69,10 +62,7 @@ impl Pty {
         let keys = pair.master.take_writer().unwrap();
         let (rows, columns) = rows_and_columns(size);
         let terminal = Parser::new(rows, columns, 1000);
-        let seen = Arc::new(Mutex::new(Seen {
-            terminal,
-            bytes: Vec::new(),
-        }));
+        let seen = Arc::new(Mutex::new(Seen { terminal, bytes: Vec::new() }));
         Pty {
             master: Some(pair.master),
             _slave: pair.slave,
@@ -102,11 +92,7 @@ impl Pty {
 
     /// Leaves something on the screen, as a terminal may that rearranges it for a new size.
     pub fn scribble(&self) {
-        self.seen
-            .lock()
-            .unwrap()
-            .terminal
-            .process(b"\x1b[2;1Hscribble\x1b[22;1Hscribble");
+        self.seen.lock().unwrap().terminal.process(b"\x1b[2;1Hscribble\x1b[22;1Hscribble");
     }
 
     /// Closes the terminal, as when its window goes.
@@ -119,20 +105,12 @@ impl Pty {
     pub fn signal(&self, name: &str) {
         let group = format!("-{}", self.child.process_id().unwrap());
         let mut kill = Command::new("kill");
-        assert!(
-            kill.args(["-s", name, "--", &group])
-                .status()
-                .unwrap()
-                .success()
-        );
+        assert!(kill.args(["-s", name, "--", &group]).status().unwrap().success());
     }
 
     pub fn is_stopped(&self) -> bool {
         let process = self.child.process_id().unwrap().to_string();
-        let state = Command::new("ps")
-            .args(["-o", "state=", "-p", &process])
-            .output()
-            .unwrap();
+        let state = Command::new("ps").args(["-o", "state=", "-p", &process]).output().unwrap();
         state.stdout.starts_with(b"T")
     }
 
@@ -145,10 +123,7 @@ impl Pty {
     pub fn lines(&self) -> Vec<String> {
         self.screen(|screen| {
             let (_, columns) = screen.size();
-            screen
-                .rows(0, columns.get())
-                .map(|line| line.trim_end().to_string())
-                .collect()
+            screen.rows(0, columns.get()).map(|line| line.trim_end().to_string()).collect()
         })
     }
 
@@ -163,10 +138,7 @@ impl Pty {
         let start = Instant::now();
         while !is_true(self) {
             let lines = self.lines().join("\n");
-            assert!(
-                start.elapsed() < Duration::from_secs(10),
-                "{what} never came true:\n{lines}"
-            );
+            assert!(start.elapsed() < Duration::from_secs(10), "{what} never came true:\n{lines}");
             thread::sleep(Duration::from_millis(5));
         }
     }
@@ -200,14 +172,8 @@ impl Pty {
         assert!(!hidden, "the cursor is hidden");
         assert!(!alternate, "the alternate screen is still there");
         let written = self.written();
-        assert!(
-            written.rfind("\x1b[?2026h") < written.rfind("\x1b[?2026l"),
-            "an update is open"
-        );
-        assert_eq!(
-            format!("{:?}", self.master().get_termios().unwrap()),
-            self.settings
-        );
+        assert!(written.rfind("\x1b[?2026h") < written.rfind("\x1b[?2026l"), "an update is open");
+        assert_eq!(format!("{:?}", self.master().get_termios().unwrap()), self.settings);
     }
 }
 

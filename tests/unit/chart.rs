@@ -173,13 +173,8 @@ fn measure(mut ways: Vec<Way>, times: usize, seconds: u64) -> Vec<Row> {
     let micros = micros(&mut ways, &camera, seconds);
     let (wrong, surface) = wrong_cells(&mut ways, &camera);
     let rows = ways.into_iter().zip(micros).zip(wrong);
-    let rows = rows.map(|((way, micros), wrong)| Row {
-        name: way.name,
-        times,
-        micros,
-        wrong,
-        surface,
-    });
+    let rows =
+        rows.map(|((way, micros), wrong)| Row { name: way.name, times, micros, wrong, surface });
     rows.collect()
 }
 
@@ -200,10 +195,8 @@ fn csv(rows: &[Row]) -> String {
 /// donut.c's running angle A against `0.04 n`, in radians, at frames n from 10^3 to 3 x 10^7.
 fn clock_errors() -> Vec<(u32, f64)> {
     const LAST: u32 = 30_000_000;
-    let mut frames: Vec<_> = (72..)
-        .map(|n| 10_f64.powf(f64::from(n) / 24.0) as u32)
-        .take_while(|&n| n < LAST)
-        .collect();
+    let mut frames: Vec<_> =
+        (72..).map(|n| 10_f64.powf(f64::from(n) / 24.0) as u32).take_while(|&n| n < LAST).collect();
     frames.extend([3_345_245, 22_918_663, LAST]);
     frames.sort_unstable();
     let (mut frame, mut angle) = (0, 0.0);
@@ -260,9 +253,7 @@ fn the_table_counts_the_wrong_cells_of_classic_and_exact() {
     for row in measure(own_ways(1), 1, 0) {
         let (start, end) = (format!("{},80x22,", row.name), row.accuracy());
         assert!(
-            table
-                .lines()
-                .any(|line| line.starts_with(&start) && line.ends_with(&end)),
+            table.lines().any(|line| line.starts_with(&start) && line.ends_with(&end)),
             "no line {start}...,{end} in\n{table}"
         );
     }

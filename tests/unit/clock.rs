@@ -3,25 +3,13 @@ use super::*;
 const FROZEN: u64 = 22_918_663;
 
 fn clock(a: f64, b: f64) -> Clock {
-    Clock {
-        origin: [a, b],
-        frames: 0,
-        spin: [0.04, 0.02],
-    }
+    Clock { origin: [a, b], frames: 0, spin: [0.04, 0.02] }
 }
 
 #[test]
 fn the_exact_clock_still_turns_right_after_2_to_the_40_frames() {
-    for (frames, error) in [
-        (0, 1e-9),
-        (1_000_000, 1e-9),
-        (FROZEN, 1e-9),
-        (1 << 40, 1e-5),
-    ] {
-        let mut clock = Clock {
-            frames,
-            ..clock(0.0, 0.0)
-        };
+    for (frames, error) in [(0, 1e-9), (1_000_000, 1e-9), (FROZEN, 1e-9), (1 << 40, 1e-5)] {
+        let mut clock = Clock { frames, ..clock(0.0, 0.0) };
         let [a, b] = clock.angles();
         clock.tick(Method::Exact);
         let [next_a, next_b] = clock.angles();
@@ -29,10 +17,7 @@ fn the_exact_clock_still_turns_right_after_2_to_the_40_frames() {
 
         let camera = fitted(100, 30);
         let picture = draw(Method::Exact, Scene::DONUT_C, camera, a, b);
-        assert_ne!(
-            picture,
-            draw(Method::Exact, Scene::DONUT_C, camera, next_a, next_b)
-        );
+        assert_ne!(picture, draw(Method::Exact, Scene::DONUT_C, camera, next_a, next_b));
         let mut tally = Tally::default();
         tally.add(&Oracle::new(1.0, 2.0, 5.0, a, b), &camera, &picture);
         tally.assert_right();
@@ -47,10 +32,7 @@ fn donut_cs_clock_stands_still_from_frame_22_918_663() {
         clock.tick(Method::Classic);
         clock.angles() == before
     });
-    assert_eq!(
-        (last_move, clock.angles()),
-        (Some(FROZEN + 1), [1_048_576.0, 524_288.0])
-    );
+    assert_eq!((last_move, clock.angles()), (Some(FROZEN + 1), [1_048_576.0, 524_288.0]));
 }
 
 #[test]
@@ -71,20 +53,14 @@ fn auto_hands_over_at_frame_3_345_245_and_nothing_jumps() {
 
 #[test]
 fn a_donut_that_stands_still_is_classic_wherever_it_stands() {
-    let clock = Clock {
-        spin: [0.0, 0.0],
-        ..clock(1.1, 0.3)
-    };
+    let clock = Clock { spin: [0.0, 0.0], ..clock(1.1, 0.3) };
     assert!(Method::Auto.choose(&Camera::DONUT_C, &clock) == Method::Classic);
 }
 
 #[test]
 fn auto_is_exact_where_floats_cannot_follow_the_spin() {
     for (a, spin) in [(1_048_560.0, 0.04), (1.0, 1e-9), (1.0, -1e-9)] {
-        let clock = Clock {
-            spin: [spin, 0.0],
-            ..clock(a, 0.0)
-        };
+        let clock = Clock { spin: [spin, 0.0], ..clock(a, 0.0) };
         assert!(Method::Auto.choose(&Camera::DONUT_C, &clock) == Method::Exact);
     }
 }

@@ -8,10 +8,8 @@ struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
@@ -35,19 +33,12 @@ fn axis(a: f64, b: f64) -> [f64; 3] {
 
 /// Draws poses of a scene and compares every cell with the oracle.
 fn compare(r1: f64, r2: f64, k2: f64, camera: Camera, poses: &[(f64, f64)]) -> Tally {
-    let scene = Scene {
-        r2: r2 / r1,
-        k2: k2 / r1,
-    };
+    let scene = Scene { r2: r2 / r1, k2: k2 / r1 };
     let mut renderer = Renderer::new(scene, camera, Method::Exact);
     let mut tally = Tally::default();
     for &(a, b) in poses {
         renderer.render_frame(a, b);
-        tally.add(
-            &Oracle::new(r1, r2, k2, a, b),
-            &camera,
-            &renderer.framebuffer,
-        );
+        tally.add(&Oracle::new(r1, r2, k2, a, b), &camera, &renderer.framebuffer);
     }
     tally
 }
@@ -73,14 +64,7 @@ fn a_million_random_rays_see_what_the_oracle_sees() {
 
 #[test]
 fn sixty_poses_at_six_sizes_have_no_wrong_cell() {
-    for (width, height) in [
-        (40, 12),
-        (80, 22),
-        (100, 37),
-        (132, 43),
-        (160, 44),
-        (320, 88),
-    ] {
+    for (width, height) in [(40, 12), (80, 22), (100, 37), (132, 43), (160, 44), (320, 88)] {
         compare(1.0, 2.0, 5.0, fitted(width, height), &own_poses(60)).assert_right();
     }
 }
@@ -106,11 +90,7 @@ fn cells_where_other_methods_fail_are_right() {
         let drawn = level(framebuffer[80 * row + column]);
         let (dx, dy) = direction(&Camera::DONUT_C, column as f64 + 0.5, row as f64 + 0.5);
         let verdict = Oracle::new(1.0, 2.0, 5.0, a, b).judge(dx, dy, drawn);
-        assert_eq!(
-            (drawn, verdict),
-            (expected, Verdict::Right),
-            "frame {frame} ({column}, {row})"
-        );
+        assert_eq!((drawn, verdict), (expected, Verdict::Right), "frame {frame} ({column}, {row})");
     }
 }
 
@@ -156,13 +136,9 @@ fn multiples_of_an_eighth_turn_have_no_wrong_cell() {
 #[test]
 fn a_ray_in_the_plane_of_the_ring_hits_the_outer_equator() {
     // Exactly edge-on z0, uz and q are 0, and G has two equal valleys.
-    for (dx, luminance) in [
-        (0.0, 8.0),
-        (
-            0.3,
-            look(&Scene::DONUT_C, &axis(FRAC_PI_2, 0.0), 0.3, 0.0).unwrap(),
-        ),
-    ] {
+    for (dx, luminance) in
+        [(0.0, 8.0), (0.3, look(&Scene::DONUT_C, &axis(FRAC_PI_2, 0.0), 0.3, 0.0).unwrap())]
+    {
         let seen = look(&Scene::DONUT_C, &[0.0, -1.0, 0.0], dx, 0.0).unwrap();
         assert!((seen - luminance).abs() < 1e-12, "{seen} {luminance}");
     }
@@ -198,10 +174,7 @@ fn far_near_thin_closed_large_and_tiny_scenes_have_no_wrong_cell() {
         (0.01, 0.02, 0.05),
     ] {
         println!("R1 {r1}, R2 {r2}, K2 {k2}");
-        let scene = Scene {
-            r2: r2 / r1,
-            k2: k2 / r1,
-        };
+        let scene = Scene { r2: r2 / r1, k2: k2 / r1 };
         let camera = Camera::new(160, 44, 2.0, &scene);
         compare(r1, r2, k2, camera, &own_poses(20)).assert_right();
     }
@@ -211,15 +184,7 @@ fn far_near_thin_closed_large_and_tiny_scenes_have_no_wrong_cell() {
 fn no_size_from_1x1_to_1280x352_has_holes_or_shows_the_far_wall() {
     let mut tally = Tally::default();
     let small = (1..=40).flat_map(|width| (1..=20).map(move |height| (width, height)));
-    let large = [
-        (79, 22),
-        (81, 23),
-        (200, 60),
-        (300, 20),
-        (30, 200),
-        (640, 176),
-        (1280, 352),
-    ];
+    let large = [(79, 22), (81, 23), (200, 60), (300, 20), (30, 200), (640, 176), (1280, 352)];
     for (n, (width, height)) in small.chain(large).enumerate() {
         let camera = fitted(width, height);
         let (a, b) = (0.7 * n as f64, 0.3 * n as f64);
@@ -234,10 +199,7 @@ fn pictures_of_one_row_or_one_column_are_blank() {
     for (width, height) in [(1, 1), (1, 2), (2, 1), (1, 4096), (4096, 1)] {
         for method in [Method::Exact, Method::Classic] {
             let framebuffer = draw(method, Scene::DONUT_C, fitted(width, height), 1.0, 1.0);
-            assert!(
-                framebuffer.iter().all(|&cell| cell == b' '),
-                "{width}x{height}"
-            );
+            assert!(framebuffer.iter().all(|&cell| cell == b' '), "{width}x{height}");
         }
     }
 }
@@ -275,16 +237,7 @@ fn a_third_turn_changes_nothing_that_is_seen() {
         let (a, b) = (z.acos(), f64::atan2(x, -y));
         let framebuffer = draw(Method::Exact, Scene::DONUT_C, fitted(120, 40), a, b);
         let mut tally = Tally::default();
-        tally.add(
-            &Oracle {
-                r1: 1.0,
-                r2: 2.0,
-                k2: 5.0,
-                frame,
-            },
-            &fitted(120, 40),
-            &framebuffer,
-        );
+        tally.add(&Oracle { r1: 1.0, r2: 2.0, k2: 5.0, frame }, &fitted(120, 40), &framebuffer);
         tally.assert_right();
     }
 }
@@ -325,14 +278,8 @@ fn no_pose_is_cut_off_and_the_donut_is_as_large_as_it_can_be() {
             for (a, b) in own_poses(12) {
                 for n in 0..=100 {
                     let (x, y) = (w * f64::from(n) / 100.0, h * f64::from(n) / 100.0);
-                    assert!(
-                        !sees(a, b, left, y) && !sees(a, b, right, y),
-                        "{width}x{height}"
-                    );
-                    assert!(
-                        !sees(a, b, x, top) && !sees(a, b, x, bottom),
-                        "{width}x{height}"
-                    );
+                    assert!(!sees(a, b, left, y) && !sees(a, b, right, y), "{width}x{height}");
+                    assert!(!sees(a, b, x, top) && !sees(a, b, x, bottom), "{width}x{height}");
                 }
             }
             // Edge-on it just reaches two sides, lying or upright.

@@ -16,14 +16,7 @@ use oracle::{Oracle, Verdict};
 
 /// donut.c's camera enlarged: what `--width` and `--height` draw is fitted instead.
 fn enlarged(times: usize) -> Camera {
-    let Camera {
-        width,
-        height,
-        cx,
-        cy,
-        k1x,
-        k1y,
-    } = Camera::DONUT_C;
+    let Camera { width, height, cx, cy, k1x, k1y } = Camera::DONUT_C;
     let s = times as f64;
     Camera {
         width: times * width,
@@ -53,9 +46,7 @@ fn level(glyph: u8) -> Option<usize> {
 
 /// Every 61st of donut.c's own poses.
 fn own_poses(count: usize) -> Vec<(f64, f64)> {
-    (0..count)
-        .map(|n| (2.44 * n as f64, 1.22 * n as f64))
-        .collect()
+    (0..count).map(|n| (2.44 * n as f64, 1.22 * n as f64)).collect()
 }
 
 fn draw(method: Method, scene: Scene, camera: Camera, a: f64, b: f64) -> Vec<u8> {

@@ -227,10 +227,9 @@ pub fn growth(path: &str, rows: &[Row]) -> Result<()> {
         ["cells", "microseconds a frame"],
         &|&y| thousands(y),
     )?;
-    for (name, color, end, beside) in [
-        ("classic", ORANGE, Right, (-10, -10)),
-        ("exact", GREEN, Left, (8, 14)),
-    ] {
+    for (name, color, end, beside) in
+        [("classic", ORANGE, Right, (-10, -10)), ("exact", GREEN, Left, (8, 14))]
+    {
         let rows = rows.iter().filter(|row| row.name.starts_with(name));
         let points = rows.map(|row| (row.cells() as f64, row.micros[1]));
         let points: Vec<_> = points.collect();

@@ -55,12 +55,7 @@ pub fn sphere_trace(rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes; BLOCKS]
     let lanes = |quantity: fn(&Rays) -> &Lanes| -> [f32; RAYS] {
         std::array::from_fn(|i| quantity(&rays[i / LANES])[i % LANES] as f32)
     };
-    let (q0, z0, uz, h) = (
-        lanes(|r| &r.q0),
-        lanes(|r| &r.z0),
-        lanes(|r| &r.uz),
-        lanes(|r| &r.h),
-    );
+    let (q0, z0, uz, h) = (lanes(|r| &r.q0), lanes(|r| &r.z0), lanes(|r| &r.uz), lanes(|r| &r.h));
     let r2 = Scene::DONUT_C.r2 as f32;
     let mut s = h.map(|h| -h);
     let mut distance = [f32::INFINITY; RAYS];

@@ -9,11 +9,8 @@ fn flicker(method: Method) -> f64 {
             renderer.framebuffer.clone()
         })
         .collect();
-    let back = |w: &[Vec<u8>]| {
-        (0..1760)
-            .filter(|&i| w[0][i] == w[2][i] && w[0][i] != w[1][i])
-            .count()
-    };
+    let back =
+        |w: &[Vec<u8>]| (0..1760).filter(|&i| w[0][i] == w[2][i] && w[0][i] != w[1][i]).count();
     pictures.windows(3).map(back).sum::<usize>() as f64 / 598.0
 }
 
@@ -21,10 +18,7 @@ fn flicker(method: Method) -> f64 {
 fn exact_hardly_flickers_where_classic_shimmers() {
     let (classic, exact) = (flicker(Method::Classic), flicker(Method::Exact));
     println!("classic {classic}, exact {exact}");
-    assert!(
-        (16.0..20.0).contains(&classic) && exact <= 1.0,
-        "classic {classic}, exact {exact}"
-    );
+    assert!((16.0..20.0).contains(&classic) && exact <= 1.0, "classic {classic}, exact {exact}");
 }
 
 /// A splat with these steps of theta and phi.
@@ -49,10 +43,7 @@ fn wrong_share(camera: Camera, finer: f64) -> f64 {
 
 #[test]
 fn a_finer_splat_is_further_from_the_truth() {
-    let (own, finer) = (
-        wrong_share(Camera::DONUT_C, 1.0),
-        wrong_share(Camera::DONUT_C, 4.0),
-    );
+    let (own, finer) = (wrong_share(Camera::DONUT_C, 1.0), wrong_share(Camera::DONUT_C, 4.0));
     println!("{own} {finer}");
     assert!(own > 0.4 && finer > own + 0.04, "{own} {finer}");
 }

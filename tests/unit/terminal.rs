@@ -20,19 +20,10 @@ fn a_donut_that_falls() {
 #[test]
 fn a_panic_restores_the_terminal_and_can_be_read() {
     let program = env::current_exe().unwrap();
-    let falls = [
-        "--ignored",
-        "--nocapture",
-        "--exact",
-        "tests::terminal::a_donut_that_falls",
-    ];
+    let falls = ["--ignored", "--nocapture", "--exact", "tests::terminal::a_donut_that_falls"];
     let mut pty = Pty::run(program.to_str().unwrap(), &falls, (80, 100), "xterm");
     assert_eq!(pty.exit(), 101);
     pty.assert_restored();
     assert_eq!(pty.written().matches("\x1b[?1049l").count(), 1);
-    assert!(
-        pty.lines().contains(&"the donut fell".to_string()),
-        "{:?}",
-        pty.lines()
-    );
+    assert!(pty.lines().contains(&"the donut fell".to_string()), "{:?}", pty.lines());
 }
