@@ -56,7 +56,7 @@ use std::time::{Duration, Instant};
 use std::{env, panic, thread};
 
 use clap::error::ErrorKind;
-use clap::{CommandFactory, FromArgMatches, Parser, ValueEnum};
+use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
 use crossterm::cursor::{Hide, Show};
 use crossterm::event::{self, Event, KeyCode, KeyModifiers};
 use crossterm::execute;
@@ -71,112 +71,139 @@ use signal_hook::{consts::SIGTSTP, iterator::Signals};
 
 // ---- Options -------------------------------------------------------------------------------------
 
-/// A spinning ASCII donut: donut.c, byte for byte, and right in every cell at every other size.
+/// A spinning ASCII donut: donut.c at 80x22, and exact at every other size
 ///
-/// On a terminal the donut fills the screen until q is pressed. Into a pipe or a file go donut.c's own
-/// bytes, paced by --fps.
+/// On a terminal the donut fills the window, and spins until you press q. Into a
+/// pipe or a file goes what donut.c prints, 80x22, at the rate of --fps. Options
+/// that make the donut smaller than a cell leave the picture empty.
 #[derive(Parser)]
-#[command(name = "donut", version, after_help = EXAMPLES)]
+#[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
+// Some people define `alias donut='donut --color cyan'`: what they type after that wins.
+#[command(args_override_self = true)]
+// Values may begin with a hyphen, as negative numbers do. None is the name of a file.
+#[command(mut_args(|arg| arg.allow_hyphen_values(true).value_hint(ValueHint::Other)))]
 struct Options {
-    /// Columns, 1 to 4096, at most the terminal's [default: the terminal's, 80 on a pipe]
-    #[arg(long, value_name = "COLS", value_parser = |n: &str| number(n, 1..=4096_u16))]
+    /// Columns [default: all, or 80 in a pipe]
+    ///
+    /// From 1 to 4096. A terminal shows at most as many as it has.
+    #[arg(long, value_name = "COLS", value_parser = within(SIZES))]
     width: Option<u16>,
 
-    /// Rows, 1 to 4096, at most the terminal's less 2 [default: the terminal's less 2, 22 on a pipe]
-    #[arg(long, value_name = "ROWS", value_parser = |n: &str| number(n, 1..=4096_u16))]
+    /// Rows [default: all but 2, or 22 in a pipe]
+    ///
+    /// From 1 to 4096. A terminal shows at most 2 fewer than it has.
+    #[arg(long, value_name = "ROWS", value_parser = within(SIZES))]
     height: Option<u16>,
 
-    /// Frames a second, up to 1000; 0 is as fast as possible
-    #[arg(long, value_name = "N", default_value = "30", value_parser = |n: &str| number(n, 0.0..=1e3))]
+    /// Frames a second; 0 is as fast as possible
+    ///
+    /// At most 1000. Each frame turns the donut by --spin.
+    #[arg(long, value_name = "N", default_value = "30", value_parser = within(0.0..=1000.0))]
     fps: f64,
 
-    /// Stop after N frames [default: never]
-    #[arg(long, value_name = "N", value_parser = |n: &str| number(n, 0..=u64::MAX))]
+    /// Stop after N frames; the last one stays on the screen
+    #[arg(long, value_name = "N", value_parser = within(0..=u64::MAX))]
     frames: Option<u64>,
 
-    /// How a cell gets its glyph
-    #[arg(long, value_enum, default_value_t)]
+    /// How to draw
+    ///
+    /// After 31 hours donut.c's angles are too coarse; then auto is exact.
+    #[arg(long, value_enum, default_value_t, hide_default_value = true)]
     method: Method,
 
-    /// The first frame's turn about the x axis, in radians, -1e9 to 1e9
-    #[arg(short = 'A', value_name = "RAD", default_value = "0", value_parser = angle)]
+    /// Start angle about the x axis, in radians
+    #[arg(short = 'A', value_name = "RAD", default_value = "0", value_parser = within(ANGLES))]
     a: f64,
 
-    /// The first frame's turn about the z axis, in radians, -1e9 to 1e9
-    #[arg(short = 'B', value_name = "RAD", default_value = "0", value_parser = angle)]
+    /// Start angle about the z axis, in radians
+    #[arg(short = 'B', value_name = "RAD", default_value = "0", value_parser = within(ANGLES))]
     b: f64,
 
-    /// Radians that A and B advance each frame, each -1e9 to 1e9
+    /// What each frame adds to A and B
     #[arg(long, value_name = "DA,DB", default_value = "0.04,0.02", value_parser = two_angles)]
     spin: [f64; 2],
 
-    /// One colour: 0 to 255, #rrggbb, or red, green, yellow, blue, magenta, cyan or grey, each also as
-    /// in dark_red, or black or white
+    /// One colour: a name, 0 to 255, or #rrggbb
     #[arg(long, value_parser = color)]
     color: Option<Color>,
 
-    /// Height of a character cell over its width, 0.1 to 10
-    #[arg(long, value_name = "RATIO", default_value = "2", value_parser = |n: &str| number(n, 0.1..=10.0))]
+    /// Height of a cell over its width, 0.1 to 10
+    #[arg(long, value_name = "RATIO", default_value = "2", value_parser = within(0.1..=10.0))]
     aspect: f64,
 
-    /// Radius of the tube, 1e-6 to 1e6
-    #[arg(long, value_name = "R", default_value = "1", value_parser = length)]
+    /// Radius of the tube
+    #[arg(long, value_name = "R", default_value = "1", value_parser = within(LENGTHS))]
     r1: f64,
 
-    /// Radius of the ring, from the donut's centre to the tube's: more than --r1
-    #[arg(long, value_name = "R", default_value = "2", value_parser = length)]
+    /// Radius of the ring: above --r1
+    ///
+    /// From the donut's centre to the tube's; at most 1000 times --r1.
+    #[arg(long, value_name = "R", default_value = "2", value_parser = within(LENGTHS))]
     r2: f64,
 
-    /// Distance from the viewer to the donut's centre: more than --r1 plus --r2
-    #[arg(long, value_name = "D", default_value = "5", value_parser = length)]
+    /// Viewer's distance: above --r1 plus --r2
+    ///
+    /// From the donut's centre.
+    #[arg(long, value_name = "D", default_value = "5", value_parser = within(LENGTHS))]
     k2: f64,
 }
 
-const EXAMPLES: &str = "\
+const AFTER_HELP: &str = "\
 Keys:
   q, Esc, Ctrl-C  quit
   p               pause, and go on
   space           shading off, and on
   Ctrl-Z          suspend
 
+Colours:
+  black, dark_grey, grey, white, red, green, yellow, blue, magenta, cyan,
+  dark_red, dark_green, dark_yellow, dark_blue, dark_magenta, dark_cyan
+
 Examples:
   donut -A 1 -B 1 --spin 0.08,0.03 --color cyan
   donut --width 120 --height 40 --frames 1 > donut.txt";
 
-/// How a cell gets its glyph.
+/// How to draw the donut.
 #[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
 enum Method {
-    /// classic for donut.c's own picture, 80x22, while its clock runs true; otherwise exact
+    /// The default: classic for donut.c's own picture, else exact
     #[default]
     Auto,
-    /// donut.c's own: dots strewn over the surface, the nearest in each cell wins
+    /// As donut.c: draws many points; a cell shows the nearest
     Classic,
-    /// One ray through each cell's centre, solved exactly: right at every size
+    /// Follows a ray through each cell's centre: right at any size
     Exact,
 }
 
-/// A number within `range`, or what was expected instead.
-fn number<T: FromStr + PartialOrd + Display>(
-    text: &str,
-    range: RangeInclusive<T>,
-) -> Result<T, String> {
-    let number = text.parse().ok().filter(|number| range.contains(number));
-    let kind = if "0.5".parse::<T>().is_ok() { "number" } else { "whole number" };
-    let (low, high) = (range.start(), range.end());
-    number.ok_or_else(|| format!("expected a {kind} from {low} to {high}"))
-}
+/// Columns or rows.
+const SIZES: RangeInclusive<u16> = 1..=4096;
+/// In radians.
+const ANGLES: RangeInclusive<f64> = -1e9..=1e9;
+/// Of R1, R2 and K2, in any unit.
+const LENGTHS: RangeInclusive<f64> = 1e-6..=1e6;
+/// How many times R1 the radius R2 may be.
+const MOST_R2: f64 = 1000.0;
 
-fn angle(text: &str) -> Result<f64, String> {
-    number(text, -1e9..=1e9)
+/// Makes a parser of numbers within `range`. The parser's error is what it expected.
+fn within<T>(range: RangeInclusive<T>) -> impl Fn(&str) -> Result<T, String> + Clone
+where
+    T: FromStr + PartialOrd + Display + Clone,
+{
+    move |text| {
+        let number = text.parse().ok().filter(|number| range.contains(number));
+        let kind = if "0.5".parse::<T>().is_ok() { "number" } else { "whole number" };
+        let (low, high) = (range.start(), range.end());
+        number.ok_or_else(|| format!("expected a {kind} from {low} to {high}"))
+    }
 }
 
 fn two_angles(text: &str) -> Result<[f64; 2], String> {
-    let two = text.split_once(',').ok_or("expected two numbers with a comma between them")?;
-    Ok([angle(two.0)?, angle(two.1)?])
-}
-
-fn length(text: &str) -> Result<f64, String> {
-    number(text, 1e-6..=1e6)
+    let angles: Vec<_> = text.split(',').collect();
+    let [a, b] = angles[..] else {
+        return Err("expected two numbers with a comma between them, as in 0.04,0.02".into());
+    };
+    let angle = within(ANGLES);
+    Ok([angle(a)?, angle(b)?])
 }
 
 fn color(text: &str) -> Result<Color, String> {
@@ -187,20 +214,43 @@ fn color(text: &str) -> Result<Color, String> {
     } else if let Ok(index) = text.parse() {
         Some(Color::AnsiValue(index))
     } else {
-        Color::try_from(text).ok().filter(|&color| color != Color::Reset)
+        let name = text.to_lowercase().replace("gray", "grey");
+        Color::try_from(name.as_str()).ok().filter(|&color| color != Color::Reset)
     };
-    color.ok_or_else(|| "expected a number from 0 to 255, #rrggbb, or a name such as red or dark_red (see --help)".into())
+    color.ok_or_else(|| "expected a name from --help, 0 to 255, or #rrggbb".into())
+}
+
+impl Options {
+    fn scene(&self) -> Scene {
+        Scene { r2: self.r2 / self.r1, k2: self.k2 / self.r1 }
+    }
+
+    /// Why the options do not fit together, if so. It tells the values of all that are concerned, for
+    /// any of them may be the wrong one.
+    fn refusal(&self) -> Option<String> {
+        let (Options { r1, r2, k2, .. }, scene) = (self, self.scene());
+        let refusal = if scene.r2 <= 1.0 {
+            format!("--r2 is {r2}: it must be more than --r1, which is {r1}")
+        } else if scene.r2 > MOST_R2 {
+            format!("--r2 is {r2}: it must be at most {MOST_R2} times --r1, which is {r1}")
+        } else if scene.k2 <= scene.sphere() {
+            format!("--k2 is {k2}: it must be more than --r1 plus --r2, which is {r1} + {r2}")
+        } else if self.method == Method::Classic && scene != Scene::DONUT_C {
+            let others = "--method is classic: it must be exact or auto";
+            format!("{others} where --r1, --r2, --k2 are {r1}, {r2}, {k2}, not 1, 2, 5")
+        } else {
+            return None;
+        };
+        Some(refusal)
+    }
 }
 
 fn main() -> ExitCode {
-    // Values may begin with a hyphen: negative numbers, and what is to be refused by name.
-    let mut command = Options::command().mut_args(|arg| arg.allow_hyphen_values(true));
-    let options = Options::from_arg_matches(&command.get_matches_mut());
-    let options = options.unwrap_or_else(|error| error.exit());
-    let scene = Scene::new(&options);
-    let scene =
-        scene.unwrap_or_else(|refusal| command.error(ErrorKind::ValueValidation, refusal).exit());
-    match run(&options, scene) {
+    let options = Options::parse();
+    if let Some(refusal) = options.refusal() {
+        Options::command().error(ErrorKind::ValueValidation, refusal).exit()
+    }
+    match run(&options, options.scene()) {
         // A reader that goes away, as in `donut | head`, has seen enough.
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             // Nothing is left to do if standard error is gone as well.
@@ -224,27 +274,6 @@ struct Scene {
 
 impl Scene {
     const DONUT_C: Scene = Scene { r2: 2.0, k2: 5.0 };
-
-    /// The scene of the options, or why it cannot be drawn.
-    fn new(options: &Options) -> Result<Scene, String> {
-        let &Options { r1, r2, k2, .. } = options;
-        let scene = Scene { r2: r2 / r1, k2: k2 / r1 };
-        let refuse = |value: &dyn Display, option, expected| {
-            Err(format!("invalid value '{value}' for '{option}': expected {expected}"))
-        };
-        if r1 >= r2 {
-            refuse(&r1, "--r1 <R>", format!("less than --r2, {r2}"))
-        } else if scene.r2 > 1000.0 {
-            refuse(&r1, "--r1 <R>", format!("a thousandth of --r2, {r2}, or more"))
-        } else if k2 <= r1 + r2 || scene.k2 <= scene.sphere() {
-            refuse(&k2, "--k2 <D>", format!("more than --r1 plus --r2, {}", r1 + r2))
-        } else if options.method == Method::Classic && scene != Scene::DONUT_C {
-            let others = "exact or auto, unless --r1, --r2, --k2 are 1, 2, 5".into();
-            refuse(&"classic", "--method <METHOD>", others)
-        } else {
-            Ok(scene)
-        }
-    }
 
     /// Radius of the sphere that no pose of the donut leaves.
     fn sphere(&self) -> f64 {

@@ -1,18 +1,116 @@
+//! The manual page and the completions in tests/dist, made from the options and their help.
+
 use super::*;
+use clap::builder::PossibleValuesParser;
 use clap_complete::{Shell, generate};
 use clap_mangen::Man;
+use clap_mangen::roff::{Roff, bold, italic, roman};
 
-/// The manual page and the completions, as file names and contents.
-fn dist() -> [(&'static str, Vec<u8>); 4] {
+/// What the help does not say: it would be too long.
+const EXIT_STATUS: &str = "\
+  0  It was ended by a key, by --frames, by SIGINT, SIGTERM or SIGHUP on a terminal, or because the \
+     reader of the pipe went away.
+  1  It could not write, or could not read keys, or the terminal was gone or did not read.
+  2  An option is wrong.
+
+Any other signal ends it as usual, and so do these three when it writes into a pipe or a file.";
+
+/// The sections after the options of the help, as headings and lines.
+fn help_sections() -> impl Iterator<Item = (&'static str, &'static str)> {
+    AFTER_HELP.split("\n\n").map(|section| section.split_once(":\n").unwrap())
+}
+
+/// The names of the colours, as the help lists them.
+fn color_names() -> Vec<&'static str> {
+    let colors = help_sections().find(|(heading, _)| *heading == "Colours");
+    colors.unwrap().1.split(',').map(str::trim).collect()
+}
+
+fn synopsis(page: &mut Roff) {
+    let mut command = Options::command();
+    command.build();
+    page.control("SH", ["SYNOPSIS"]);
+    page.text([bold("donut")]);
+    for option in command.get_arguments() {
+        let mut text = vec![roman("[")];
+        if let Some(short) = option.get_short() {
+            text.push(bold(format!("-{short}")));
+        }
+        if let Some(long) = option.get_long() {
+            text.extend(option.get_short().map(|_| roman("|")));
+            text.push(bold(format!("--{long}")));
+        }
+        if option.get_action().takes_values() {
+            // No line ends between an option and its value.
+            text.extend([roman("\u{a0}"), italic(option.get_value_names().unwrap().concat())]);
+        }
+        text.push(roman("]"));
+        page.text(text);
+    }
+}
+
+/// A line with two columns, which are two blanks apart, is an entry of a list.
+fn section(page: &mut Roff, heading: &str, lines: &str) {
+    page.control("SH", [heading.to_uppercase().as_str()]);
+    for line in lines.lines().map(str::trim) {
+        if let Some((term, meaning)) = line.split_once("  ") {
+            page.control("TP", ["16"]);
+            page.text([bold(term)]);
+            page.text([roman(meaning.trim())]);
+        } else if line.is_empty() {
+            page.control("PP", []);
+        } else {
+            page.text([roman(line)]);
+            page.control("br", []);
+        }
+    }
+}
+
+fn manual_page() -> String {
     let mut page = Vec::new();
-    Man::new(Options::command()).render(&mut page).unwrap();
-    let completion = |shell| {
-        let mut script = Vec::new();
-        generate(shell, &mut Options::command(), "donut", &mut script);
-        script
-    };
+    // A date that is empty would be left out, and what follows would take its place.
+    let man = Man::new(Options::command()).title("DONUT").date(" ").manual("User Commands");
+    let (mut usage, mut sections) = (Roff::new(), Roff::new());
+    synopsis(&mut usage);
+    for (heading, lines) in help_sections() {
+        if heading == "Examples" {
+            section(&mut sections, "Exit status", EXIT_STATUS);
+        }
+        section(&mut sections, heading, lines);
+    }
+    man.render_title(&mut page).unwrap();
+    man.render_name_section(&mut page).unwrap();
+    usage.to_writer(&mut page).unwrap();
+    man.render_description_section(&mut page).unwrap();
+    man.render_options_section(&mut page).unwrap();
+    sections.to_writer(&mut page).unwrap();
+    let page = String::from_utf8(page).unwrap().replace('\u{a0}', "\\ ").replace("\n\n", "\n.sp\n");
+    // Each part defines the apostrophe. The first definition is enough.
+    let (apostrophe, _) = page.split_at(page.find(".TH").unwrap());
+    apostrophe.to_owned() + &page.replace(apostrophe, "")
+}
+
+fn completion(shell: Shell) -> String {
+    // The options take other colours too, but only names can be completed.
+    let mut command = Options::command().mut_args(|option| match option.get_id().as_str() {
+        "color" => option.value_parser(PossibleValuesParser::new(color_names())),
+        _ => option,
+    });
+    let mut script = Vec::new();
+    generate(shell, &mut command, "donut", &mut script);
+    let script = String::from_utf8(script).unwrap();
+    // What is left is to forbid the names of files where no option is typed.
+    match shell {
+        Shell::Bash => script.replace(" -o bashdefault -o default", ""),
+        Shell::Fish => format!("complete -c donut -f\n{script}"),
+        _ => script,
+    }
+}
+
+/// File names and contents.
+fn dist() -> [(&'static str, String); 4] {
     [
-        ("donut.1", page),
+        ("donut.1", manual_page()),
         ("donut.bash", completion(Shell::Bash)),
         ("_donut", completion(Shell::Zsh)),
         ("donut.fish", completion(Shell::Fish)),
@@ -26,7 +124,7 @@ fn the_manual_page_and_the_completions_say_what_the_options_are() {
         if env::var_os("UPDATE").is_some() {
             std::fs::write(&path, &contents).unwrap();
         }
-        let stored = std::fs::read(&path).unwrap();
+        let stored = std::fs::read_to_string(&path).unwrap();
         assert!(
             stored == contents,
             "tests/dist/{name} is stale: run UPDATE=1 cargo test, and commit"
