@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use assert_cmd::assert::OutputAssertExt;
 use predicates::prelude::*;
 use predicates::str::contains;
+use proptest::prelude::*;
 
 fn donut(options: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_donut"));
@@ -34,39 +35,69 @@ fn count_frames(options: &[&str], size: usize, stall: Duration) -> (f64, Duratio
 
 /// Bad input: exit code 2, nothing on standard output, and a message that says all of `said`.
 fn assert_refused(options: &[&str], said: &[&str]) {
-    let mut refused = donut(options).assert().code(2).stdout("");
+    // Neither without frames nor for long: input that is taken must fail the test, not hold it up.
+    let mut command = assert_cmd::Command::from(donut(&["--frames=0"]));
+    let command = command.args(options).timeout(Duration::from_secs(20));
+    let mut refused = command.assert().code(2).stdout("");
     for said in said {
         refused = refused.stderr(contains(*said));
     }
     refused.stderr(contains("panicked").not());
 }
 
+fn output_of(options: &[&str]) -> String {
+    let output = donut(options).assert().success().stderr("");
+    String::from_utf8(output.get_output().stdout.clone()).unwrap()
+}
+
 #[test]
-fn help_tells_options_units_ranges_defaults_keys_and_examples() {
-    let mut help = donut(&["--help"]).assert().success().stderr("");
-    for text in [
-        "--width <COLS>",
-        "--height <ROWS>",
-        "--fps <N>",
-        "--frames <N>",
-        "--method <METHOD>",
-        "-A <RAD>",
-        "-B <RAD>",
-        "--spin <DA,DB>",
-        "--color <COLOR>",
-        "--aspect <RATIO>",
-        "--r1 <R>",
-        "--r2 <R>",
-        "--k2 <D>",
-        "radians",
-        "1 to 4096",
-        "[default: 30]",
-        "Keys:",
-        "q, Esc, Ctrl-C",
-        "Ctrl-Z",
-        "Examples:",
-    ] {
-        help = help.stdout(contains(text));
+fn both_helps_tell_options_values_defaults_keys_colours_and_examples() {
+    for help in ["-h", "--help"] {
+        let help = output_of(&[help]);
+        for text in [
+            "--width <COLS>",
+            "--height <ROWS>",
+            "--fps <N>",
+            "--frames <N>",
+            "--method <METHOD>",
+            "-A <RAD>",
+            "-B <RAD>",
+            "--spin <DA,DB>",
+            "--color <COLOR>",
+            "--aspect <RATIO>",
+            "--r1 <R>",
+            "--r2 <R>",
+            "--k2 <D>",
+            "radians",
+            "[default: 30]",
+            "classic",
+            "exact",
+            "Keys:",
+            "q, Esc, Ctrl-C",
+            "Ctrl-Z",
+            "Colours:",
+            "Examples:",
+        ] {
+            assert!(help.contains(text), "no {text} in {help}");
+        }
+    }
+}
+
+#[test]
+fn no_line_of_either_help_is_longer_than_80_columns() {
+    for help in ["-h", "--help"] {
+        for line in output_of(&[help]).lines() {
+            assert!(line.chars().count() <= 80, "{help}: {line}");
+        }
+    }
+}
+
+#[test]
+fn the_long_help_tells_the_ranges_and_what_the_methods_are() {
+    let help = output_of(&["--help"]);
+    for text in ["1 to 4096", "0.1 to 10", "auto: ", "classic: ", "exact: ", "smaller than a cell"]
+    {
+        assert!(help.contains(text), "no {text} in {help}");
     }
 }
 
@@ -114,8 +145,11 @@ fn angles_that_are_no_finite_number_are_refused() {
             assert_refused(&[option, angle], &[option, &value, "from -1000000000 to 1000000000"]);
         }
     }
-    for spin in ["0.04", "0.04,", ",0.02", "0.04,0.02,0.01", "0.04;0.02", "a,b", "inf,0", "", "-"] {
-        assert_refused(&["--spin", spin], &["--spin", &format!("'{spin}'"), "expected"]);
+    for spin in ["0.04,", ",0.02", "a,b", "inf,0", "2e9,0", ","] {
+        assert_refused(&["--spin", spin], &["--spin", &format!("'{spin}'"), "expected a number"]);
+    }
+    for spin in ["0.04", "1,2,3", "0.04,0.02,", "0.04;0.02", "", "-"] {
+        assert_refused(&["--spin", spin], &["--spin", &format!("'{spin}'"), "two numbers"]);
     }
 }
 
@@ -127,10 +161,24 @@ fn scenes_that_cannot_be_drawn_are_refused() {
             assert_refused(&[option, length], &[option, &value, "from 0.000001 to 1000000"]);
         }
     }
-    assert_refused(&["--r1=2"], &["--r1", "'2'", "less than --r2, 2"]);
-    assert_refused(&["--r1=0.0019"], &["--r1", "'0.0019'", "thousandth of --r2, 2"]);
-    assert_refused(&["--k2=3"], &["--k2", "'3'", "more than --r1 plus --r2, 3"]);
-    assert_refused(&["--method=classic", "--r1=0.5"], &["--method", "'classic'", "exact or auto"]);
+}
+
+#[test]
+fn options_that_do_not_fit_together_are_refused_with_the_values_of_all() {
+    for (options, said) in [
+        (&["--r2=10"][..], "--k2 is 5: it must be more than --r1 plus --r2, which is 1 + 10"),
+        (&["--r2=10", "--k2=8"], "--k2 is 8: it must be more than --r1 plus --r2, which is 1 + 10"),
+        (&["--k2=3"], "--k2 is 3: it must be more than --r1 plus --r2, which is 1 + 2"),
+        (&["--r2=0.5"], "--r2 is 0.5: it must be more than --r1, which is 1"),
+        (&["--r1=2"], "--r2 is 2: it must be more than --r1, which is 2"),
+        (&["--r1=0.0019"], "--r2 is 2: it must be at most 1000 times --r1, which is 0.0019"),
+        (
+            &["--method=classic", "--r2=3"],
+            "--method is classic: it must be exact or auto where --r1, --r2, --k2 are 1, 3, 5",
+        ),
+    ] {
+        assert_refused(options, &[said]);
+    }
 }
 
 #[test]
@@ -146,13 +194,43 @@ fn negative_angles_and_spins_work() {
     donut(&options).assert().success().stderr("");
 }
 
+/// The sequence that a colour begins each frame with.
+fn sequence(color: &str) -> String {
+    let stream = output_of(&["--frames=1", "--width=1", "--height=1", "--color", color]);
+    stream.split("\x1b[H").nth(1).unwrap().split('\n').next().unwrap().into()
+}
+
+#[test]
+fn every_colour_that_the_help_lists_is_another() {
+    let help = output_of(&["--help"]);
+    let colors = help.split("Colours:").nth(1).unwrap().split("Examples:").next().unwrap();
+    let sequences = colors.split(',').map(|color| sequence(color.trim()));
+    assert_eq!(sequences.collect::<std::collections::BTreeSet<_>>().len(), 16);
+}
+
+#[test]
+fn gray_is_grey() {
+    for (gray, grey) in [("gray", "grey"), ("dark_gray", "dark_grey"), ("GRAY", "grey")] {
+        assert_eq!(sequence(gray), sequence(grey));
+    }
+}
+
 #[test]
 fn colours_that_do_not_exist_are_refused() {
     for color in
         ["chartreuse", "256", "-1", "#12345", "#1234567", "#12345g", "#+12345", "", "reset"]
     {
-        assert_refused(&["--color", color], &["--color", &format!("'{color}'"), "#rrggbb"]);
+        let said = ["--color", &format!("'{color}'"), "a name from --help", "0 to 255", "#rrggbb"];
+        assert_refused(&["--color", color], &said);
     }
+}
+
+#[test]
+fn the_last_of_a_repeated_option_wins() {
+    let last = output_of(&["--frames=1", "--color=red", "-A", "2", "--spin=3,4"]);
+    let options = ["--color=cyan", "-A", "1", "--spin=1,2", "--frames=7"];
+    let repeated = [&options[..], &["--frames=1", "--color=red", "-A", "2", "--spin=3,4"]].concat();
+    assert_eq!(output_of(&repeated), last);
 }
 
 #[test]
@@ -251,4 +329,80 @@ fn after_a_stall_it_goes_on_from_now_without_a_burst() {
     let (frames, time) = count_frames(&options, 40_004, Duration::from_secs(1));
     assert!(frames > 3.0);
     assert!(frames <= 100.0 * time.as_secs_f64() + 10.0, "{frames} frames in {time:?}");
+}
+
+/// Numbers of a range, its ends among them.
+fn number(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    prop_oneof![2 => Just(low), 2 => Just(high), 6 => low..=high]
+}
+
+/// How many times larger one length is than another. Half of them are hardly larger.
+fn ratio(most: f64) -> impl Strategy<Value = f64> {
+    let hardly = (-16.0..0.0).prop_map(|power| 1.0 + 10_f64.powf(power));
+    prop_oneof![4 => hardly, 1 => Just(most), 4 => 1.0..=most]
+}
+
+fn angle() -> impl Strategy<Value = f64> {
+    let special = [0.0, 1e-300, -1e-300, std::f64::consts::FRAC_PI_2, 3_345_245.0 * 0.04];
+    prop_oneof![number(-1e9, 1e9), -7.0..7.0, prop::sample::select(special.to_vec())]
+}
+
+fn size(most: u16) -> impl Strategy<Value = u16> {
+    prop_oneof![1 => 1..=2_u16, 1 => Just(most), 4 => 1..=most]
+}
+
+/// R1, R2 and K2: some of them do not fit together, by rounding or by being out of range.
+fn lengths() -> impl Strategy<Value = [f64; 3]> {
+    let unit = prop_oneof![Just(1.0), Just(1e-6), (-6.0..3.0).prop_map(|power| 10_f64.powf(power))];
+    let scene = (unit, ratio(1000.0), ratio(1e6));
+    let any = scene.prop_map(|(r1, ring, viewer)| [r1, r1 * ring, r1 * (1.0 + ring) * viewer]);
+    prop_oneof![1 => Just([1.0, 2.0, 5.0]), 3 => any]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 500,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn whatever_the_options_it_draws_or_says_why_not(
+        (width, height) in (size(300), size(150)),
+        [a, b, da, db] in [angle(), angle(), angle(), angle()],
+        [r1, r2, k2] in lengths(),
+        aspect in prop_oneof![Just(2.0), number(0.1, 10.0)],
+        method in prop::sample::select(vec!["auto", "classic", "exact"]),
+    ) {
+        let options = [
+            format!("--width={width}"),
+            format!("--height={height}"),
+            format!("-A{a}"),
+            format!("-B{b}"),
+            format!("--spin={da},{db}"),
+            format!("--r1={r1}"),
+            format!("--r2={r2}"),
+            format!("--k2={k2}"),
+            format!("--aspect={aspect}"),
+            format!("--method={method}"),
+        ];
+        let output = donut(&["--frames=2", "--fps=0"]).args(&options).output().unwrap();
+        let (stream, said) = (output.stdout, String::from_utf8_lossy(&output.stderr));
+        match output.status.code() {
+            Some(0) => {
+                prop_assert_eq!(said, "");
+                let frame = usize::from(width) * usize::from(height) + 4;
+                prop_assert_eq!(stream.len(), 4 + 2 * frame);
+                for frame in stream[4..].chunks(frame) {
+                    let cells = frame.strip_prefix(b"\x1b[H").unwrap();
+                    prop_assert!(cells.iter().all(|cell| b".,-~:;=!*#$@ \n".contains(cell)));
+                }
+            }
+            Some(2) => {
+                prop_assert!(said.starts_with("error: "), "{}", said);
+                prop_assert!(stream.is_empty());
+            }
+            code => prop_assert!(false, "{code:?}: {said}"),
+        }
+    }
 }

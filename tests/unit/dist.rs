@@ -131,3 +131,31 @@ fn the_manual_page_and_the_completions_say_what_the_options_are() {
         );
     }
 }
+
+#[test]
+fn the_manual_page_has_the_values_keys_colours_exit_codes_and_examples() {
+    let page = manual_page();
+    for text in [
+        "[\\fB\\-\\-width\\fR\\ \\fICOLS\\fR]",
+        "[\\fB\\-h\\fR|\\fB\\-\\-help\\fR]",
+        ".SH KEYS\n.TP 16\n\\fBq, Esc, Ctrl\\-C\\fR\nquit\n",
+        ".SH COLOURS\nblack,",
+        ".SH \"EXIT STATUS\"\n.TP 16\n\\fB0\\fR\n",
+        ".SH EXAMPLES\ndonut",
+    ] {
+        assert!(page.contains(text), "no {text} in {page}");
+    }
+    assert!(!page.contains("EXTRA"));
+}
+
+#[test]
+fn completions_offer_the_names_of_the_colours_and_no_files() {
+    for shell in [Shell::Bash, Shell::Zsh, Shell::Fish] {
+        let script = completion(shell);
+        assert!(color_names().iter().all(|name| script.contains(name)), "{shell}: {script}");
+        for files in ["compgen -f", "-o default", "-o bashdefault", "_default", "_files", "-r\n"] {
+            assert!(!script.contains(files), "{shell} has {files}: {script}");
+        }
+    }
+    assert!(completion(Shell::Fish).starts_with("complete -c donut -f\n"));
+}
