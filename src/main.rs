@@ -75,7 +75,7 @@ use signal_hook::{consts::SIGTSTP, iterator::Signals};
 ///
 /// On a terminal the donut fills the window, and spins until you press q. Into a
 /// pipe or a file goes what donut.c prints, 80x22, at the rate of --fps. Options
-/// that make the donut smaller than a cell leave the picture empty.
+/// that make the donut smaller than a cell may leave the picture empty.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // Some people define `alias donut='donut --color cyan'`: what they type after that wins.

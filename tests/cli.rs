@@ -154,7 +154,7 @@ fn angles_that_are_no_finite_number_are_refused() {
 }
 
 #[test]
-fn scenes_that_cannot_be_drawn_are_refused() {
+fn lengths_out_of_range_are_refused() {
     for length in ["0", "-1", "nan", "inf", "1e7", "big", ""] {
         for option in ["--r1", "--r2", "--k2"] {
             let value = format!("'{length}'");
