@@ -5,8 +5,6 @@ mod clock;
 mod dist;
 mod exact;
 mod oracle;
-mod plot;
-mod rivals;
 mod splat;
 #[cfg(unix)]
 mod terminal;

@@ -1,12 +1,15 @@
-//! What each way to draw the donut costs, and how wrong it is.
+//! What each way to draw the donut costs, and how wrong it is: the tables of tests/chart, and the
+//! charts that are drawn from them.
 //!
-//! `cargo test --release chart -- --ignored --nocapture` measures, and writes the tables and the
-//! charts in tests/chart.
+//! `cargo test --release chart -- --ignored --nocapture` measures, and writes all of them.
+
+mod plot;
+mod rivals;
 
 use std::fmt::Write as _;
 use std::fs;
 
-use super::rivals::{donut_c, first_root_f32, first_root_f64, sphere_trace, trace_with};
+use self::rivals::{donut_c, first_root_f32, first_root_f64, sphere_trace, trace_with};
 use super::splat::with_steps;
 use super::*;
 
@@ -21,36 +24,90 @@ struct Way {
     draw: Draw,
 }
 
+/// Cells that show another glyph than the oracle sees at their centre, by kind.
+#[derive(Clone, Copy, Default)]
+struct Wrong {
+    one_shade: usize,
+    more_shades: usize,
+    /// Drawn where the oracle sees no donut.
+    extra: usize,
+    /// Blank where it does.
+    holes: usize,
+}
+
+impl Wrong {
+    fn count(&mut self, verdict: Verdict, drawn: Option<usize>, seen: Option<usize>) {
+        match verdict {
+            Verdict::Right | Verdict::Tie => {}
+            Verdict::Hole => self.holes += 1,
+            Verdict::Extra => self.extra += 1,
+            Verdict::Shade if drawn.unwrap().abs_diff(seen.unwrap()) == 1 => self.one_shade += 1,
+            Verdict::Shade => self.more_shades += 1,
+        }
+    }
+
+    fn sum(&self) -> usize {
+        self.one_shade + self.more_shades + self.extra + self.holes
+    }
+}
+
 /// A line of the table.
-pub struct Row {
-    pub name: String,
+struct Row {
+    name: String,
     /// How often donut.c's camera is enlarged.
-    pub times: usize,
-    /// Microseconds a frame: 10th percentile, median, and 90th.
-    pub micros: [f64; 3],
-    pub wrong: usize,
+    times: usize,
+    /// Microseconds a frame: median, 10th and 90th percentile.
+    micros: [f64; 3],
+    wrong: Wrong,
     /// Cells at whose centre the oracle sees the donut.
-    pub surface: usize,
+    surface: usize,
 }
 
 impl Row {
-    pub fn cells(&self) -> usize {
+    const TITLES: &str = "method,size,us per frame (median),us (10th percentile),\
+        us (90th percentile),wrong cells,cells of the donut,% wrong,\
+        one shade off,more shades off,extra outline,holes\n";
+
+    fn cells(&self) -> usize {
         self.times * self.times * Camera::DONUT_C.width * Camera::DONUT_C.height
     }
 
     /// Wrong cells, in per cent of the donut's.
-    pub fn wrong_share(&self) -> f64 {
-        100.0 * self.wrong as f64 / self.surface as f64
+    fn wrong_share(&self) -> f64 {
+        100.0 * self.wrong.sum() as f64 / self.surface as f64
     }
 
     /// The last columns of the table.
     fn accuracy(&self) -> String {
-        let Row { wrong, surface, .. } = self;
-        format!("{wrong},{surface},{:.4}", self.wrong_share())
+        let Wrong { one_shade, more_shades, extra, holes } = self.wrong;
+        let (sum, surface, share) = (self.wrong.sum(), self.surface, self.wrong_share());
+        format!("{sum},{surface},{share:.4},{one_shade},{more_shades},{extra},{holes}")
+    }
+
+    fn line(&self) -> String {
+        let [median, low, high] = self.micros;
+        let (name, size, accuracy) = (&self.name, size(self.times), self.accuracy());
+        format!("{name},{size},{median:.1},{low:.1},{high:.1},{accuracy}\n")
+    }
+
+    fn parse(line: &str) -> Row {
+        let columns: Vec<_> = line.split(',').collect();
+        let count = |n: usize| columns[n].parse().unwrap();
+        let [one_shade, more_shades, extra, holes] = [8, 9, 10, 11].map(count);
+        Row {
+            name: columns[0].into(),
+            times: SIZES.into_iter().find(|&times| size(times) == columns[1]).unwrap(),
+            micros: [2, 3, 4].map(|n| columns[n].parse().unwrap()),
+            wrong: Wrong { one_shade, more_shades, extra, holes },
+            surface: count(6),
+        }
     }
 }
 
-pub fn size(times: usize) -> String {
+/// How often donut.c's camera is enlarged.
+const SIZES: [usize; 5] = [1, 2, 4, 8, 16];
+
+fn size(times: usize) -> String {
     let Camera { width, height, .. } = enlarged(times);
     format!("{width}x{height}")
 }
@@ -114,8 +171,8 @@ fn other_ways(times: usize) -> Vec<Way> {
 }
 
 /// The wrong cells of each way, and the cells of the donut, over all poses.
-fn wrong_cells(ways: &mut [Way], camera: &Camera) -> (Vec<usize>, usize) {
-    let (mut wrong, mut surface) = (vec![0; ways.len()], 0);
+fn wrong_cells(ways: &mut [Way], camera: &Camera) -> (Vec<Wrong>, usize) {
+    let (mut wrong, mut surface) = (vec![Wrong::default(); ways.len()], 0);
     for (a, b) in own_poses(POSES) {
         let oracle = Oracle::new(1.0, 2.0, 5.0, a, b);
         let rays = (1..camera.height).flat_map(|row| (1..camera.width).map(move |x| (row, x)));
@@ -129,17 +186,18 @@ fn wrong_cells(ways: &mut [Way], camera: &Camera) -> (Vec<usize>, usize) {
         for (way, wrong) in ways.iter_mut().zip(&mut wrong) {
             let mut cells = vec![b' '; camera.width * camera.height];
             (way.draw)(a, b, &mut cells);
-            let judge = |&&(cell, (dx, dy), seen): &&(usize, (f64, f64), Option<usize>)| {
+            for &(cell, (dx, dy), seen) in &truth {
                 let drawn = level(cells[cell]);
-                drawn != seen && oracle.judge(dx, dy, drawn) != Verdict::Tie
-            };
-            *wrong += truth.iter().filter(judge).count();
+                if drawn != seen {
+                    wrong.count(oracle.judge(dx, dy, drawn), drawn, seen);
+                }
+            }
         }
     }
     (wrong, surface)
 }
 
-/// Microseconds a frame of each way: rounds of all poses, one way after another, until it is time.
+/// Microseconds a frame of each way, as in its row: rounds of all poses, one way after another, until it is time.
 fn micros(ways: &mut [Way], camera: &Camera, seconds: u64) -> Vec<[f64; 3]> {
     let mut cells = vec![b' '; camera.width * camera.height];
     let mut samples = vec![Vec::new(); ways.len()];
@@ -163,7 +221,7 @@ fn micros(ways: &mut [Way], camera: &Camera, seconds: u64) -> Vec<[f64; 3]> {
     eprintln!();
     let percentiles = |mut samples: Vec<f64>| {
         samples.sort_by(f64::total_cmp);
-        [1, 5, 9].map(|tenths| samples[samples.len() * tenths / 10])
+        [5, 1, 9].map(|tenths| samples[samples.len() * tenths / 10])
     };
     samples.into_iter().map(percentiles).collect()
 }
@@ -178,78 +236,85 @@ fn measure(mut ways: Vec<Way>, times: usize, seconds: u64) -> Vec<Row> {
     rows.collect()
 }
 
-fn csv(rows: &[Row]) -> String {
-    let mut table = String::from(
-        "method,size,us per frame (median),us (10th percentile),us (90th percentile),\
-         wrong cells,cells of the donut,% wrong\n",
-    );
-    for row in rows {
-        let [low, median, high] = row.micros;
-        let (name, size, accuracy) = (&row.name, size(row.times), row.accuracy());
-        let times = format!("{median:.1},{low:.1},{high:.1}");
-        writeln!(table, "{name},{size},{times},{accuracy}").unwrap();
-    }
-    table
-}
-
-/// donut.c's running angle A against `0.04 n`, in radians, at frames n from 10^3 to 3 x 10^7.
+/// donut.c's running angle A against `0.04 n`: the largest error up to frame n, in radians, at frames
+/// a tenth apart from 1,000 to 30 million.
 fn clock_errors() -> Vec<(u32, f64)> {
     const LAST: u32 = 30_000_000;
-    let mut frames: Vec<_> =
-        (72..).map(|n| 10_f64.powf(f64::from(n) / 24.0) as u32).take_while(|&n| n < LAST).collect();
+    let frames = std::iter::successors(Some(1000), |n| Some(n + n / 10));
+    let mut frames: Vec<_> = frames.take_while(|&n| n < LAST).collect();
     frames.extend([3_345_245, 22_918_663, LAST]);
     frames.sort_unstable();
-    let (mut frame, mut angle) = (0, 0.0);
-    frames
-        .into_iter()
-        .map(|next| {
-            while frame < next {
-                (frame, angle) = (frame + 1, advance(angle, 0.04));
-            }
-            (frame, (f64::from(angle) - 0.04 * f64::from(frame)).abs())
-        })
-        .collect()
+    let (mut frame, mut angle, mut largest) = (0, 0.0, 0.0);
+    let mut error_at = |n| {
+        while frame < n {
+            (frame, angle) = (frame + 1, advance(angle, 0.04));
+            largest = f64::max(largest, (f64::from(angle) - 0.04 * f64::from(frame)).abs());
+        }
+        (n, largest)
+    };
+    frames.into_iter().map(&mut error_at).collect()
 }
+
+const TABLE: &str = "speed-and-accuracy.csv";
 
 fn path(name: &str) -> String {
     format!("{}/tests/chart/{name}", env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Writes and prints a table.
-fn publish(name: &str, table: &str) {
-    fs::write(path(name), table).unwrap();
-    println!("{name}\n{table}");
+fn read(name: &str) -> String {
+    fs::read_to_string(path(name)).unwrap()
+}
+
+/// The charts and the table of the clock, as file names and contents: all that follows from the
+/// measured table and from donut.c's arithmetic.
+fn drawn() -> [(&'static str, String); 4] {
+    let table = read(TABLE);
+    let rows: Vec<_> = table.lines().skip(1).map(Row::parse).collect();
+    let errors = clock_errors();
+    let mut clock = String::from("frame,largest error of A up to it in radians\n");
+    for (frame, error) in &errors {
+        writeln!(clock, "{frame},{error:.6}").unwrap();
+    }
+    [
+        ("speed-and-accuracy.svg", plot::speed_and_accuracy(&rows).unwrap()),
+        ("growth.svg", plot::growth(&rows).unwrap()),
+        ("clock.csv", clock),
+        ("clock.svg", plot::clock(&errors).unwrap()),
+    ]
 }
 
 #[test]
 #[ignore = "measures for two minutes"]
-fn speed_against_accuracy_is_charted() {
-    let mut rows = Vec::new();
-    for (times, seconds) in [(1, 15), (2, 20), (4, 30)] {
+fn the_charts_are_measured() {
+    let mut table = String::from(Row::TITLES);
+    for (times, seconds) in SIZES.into_iter().zip([15, 20, 30, 5, 10]) {
         let mut ways = own_ways(times);
-        ways.extend(other_ways(times));
-        rows.extend(measure(ways, times, seconds));
+        if times <= 4 {
+            ways.extend(other_ways(times));
+        }
+        table.extend(measure(ways, times, seconds).iter().map(Row::line));
     }
-    publish("speed-and-accuracy.csv", &csv(&rows));
-    plot::speed_and_accuracy(&path("speed-and-accuracy.svg"), &rows).unwrap();
-
-    let grown = [1, 2, 4, 8, 16].map(|times| measure(own_ways(times), times, 3));
-    let grown: Vec<_> = grown.into_iter().flatten().collect();
-    publish("growth.csv", &csv(&grown));
-    plot::growth(&path("growth.svg"), &grown).unwrap();
-
-    let errors = clock_errors();
-    let mut table = String::from("frame,error of A in radians\n");
-    for (frame, error) in &errors {
-        writeln!(table, "{frame},{error:.6}").unwrap();
+    println!("{TABLE}\n{table}");
+    fs::write(path(TABLE), table).unwrap();
+    for (name, contents) in drawn() {
+        fs::write(path(name), contents).unwrap();
     }
-    publish("clock.csv", &table);
-    plot::clock(&path("clock.svg"), &errors).unwrap();
+}
+
+#[test]
+fn the_charts_show_the_table() {
+    for (name, contents) in drawn() {
+        if env::var_os("UPDATE").is_some() {
+            fs::write(path(name), &contents).unwrap();
+        }
+        let stale = read(name) != contents;
+        assert!(!stale, "tests/chart/{name} is stale: run UPDATE=1 cargo test, and commit");
+    }
 }
 
 #[test]
 fn the_table_counts_the_wrong_cells_of_classic_and_exact() {
-    let table = fs::read_to_string(path("speed-and-accuracy.csv")).unwrap();
+    let table = read(TABLE);
     for row in measure(own_ways(1), 1, 0) {
         let (start, end) = (format!("{},80x22,", row.name), row.accuracy());
         assert!(

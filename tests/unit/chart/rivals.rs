@@ -3,7 +3,7 @@
 //! Those that cast rays differ from `exact` in how they find the first hit, and in nothing else: the
 //! rays and the shading are its own, in f64.
 
-use super::*;
+use crate::tests::*;
 
 /// Draws as `trace` does, with hits that `first_hits` finds for N times four rays at once.
 pub fn trace_with<const N: usize>(
