@@ -1,70 +1,243 @@
-//! The moving picture of the README, made of the program's own frames.
+//! The pictures and the figures of the README are those of the program and of the measured table.
 
 use std::fmt::Write;
+use std::ops::Range;
 use std::process::Command;
+use std::{env, fs};
 
-/// Half of donut.c's turns: in twice its steps B goes round once and A twice, and it begins again.
-const FRAMES: usize = 157;
-const SECONDS: f64 = FRAMES as f64 / 15.0;
-/// The cells in which the donut is ever seen.
-const COLUMNS: std::ops::Range<usize> = 14..64;
-const ROWS: usize = 22;
+fn path(name: &str) -> String {
+    format!("{}/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(name: &str) -> String {
+    fs::read_to_string(path(name)).unwrap()
+}
+
+/// The frames that the program draws with these options, each as its rows.
+fn frames(options: &str) -> Vec<Vec<String>> {
+    let donut = Command::new(env!("CARGO_BIN_EXE_donut")).args(options.split(' ')).output();
+    let stream = String::from_utf8(donut.unwrap().stdout).unwrap();
+    let rows = |frame: &str| frame.lines().skip(1).map(String::from).collect();
+    stream.split("\x1b[H").skip(1).map(rows).collect()
+}
+
+#[track_caller]
+fn assert_current(name: &str, svg: &str) {
+    if env::var_os("UPDATE").is_some() {
+        fs::write(path(name), svg).unwrap();
+    }
+    assert!(svg.len() < 400_000, "{} bytes", svg.len());
+    assert!(read(name) == svg, "{name} is stale: run UPDATE=1 cargo test, and commit");
+}
+
+// ---- Pictures ------------------------------------------------------------------------------------
+
 /// The size of a cell, in pixels.
 const CELL: (f64, f64) = (9.6, 19.2);
 
-fn frames() -> Vec<String> {
-    let turn = std::f64::consts::TAU / FRAMES as f64;
-    let spin = format!("--spin={},{}", 2.0 * turn, turn);
-    let frames = format!("--frames={FRAMES}");
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_donut")).args([&spin, &frames, "--fps=0"]).output();
-    let stream = String::from_utf8(output.unwrap().stdout).unwrap();
-    stream.split("\x1b[H").skip(1).map(String::from).collect()
-}
-
-/// A film strip: the frames below one another, drawn upwards past a window of one frame.
-fn svg() -> String {
-    let (width, height) = (COLUMNS.len() as f64 * CELL.0, ROWS as f64 * CELL.1);
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\">\n\
-         <title>A spinning donut of ASCII characters</title>\n\
+/// The start of a picture of so many columns and rows of cells, on a dark ground.
+fn head(title: &str, columns: f64, rows: f64, style: &str) -> String {
+    let (width, height) = (columns * CELL.0, rows * CELL.1);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.1} {height:.1}\" width=\"{width:.1}\">\n\
+         <title>{title}</title>\n\
          <style>\
          text{{font:16px ui-monospace,Menlo,Consolas,'DejaVu Sans Mono',monospace;fill:#e6e6e6;white-space:pre}}\
-         g{{animation:film {SECONDS:.2}s steps({FRAMES}) infinite}}\
-         @keyframes film{{to{{transform:translateY(-{}px)}}}}\
+         {style}\
          </style>\n\
-         <rect width=\"100%\" height=\"100%\" rx=\"8\" fill=\"#16181d\"/>\n<g>\n",
-        FRAMES as f64 * height
+         <rect width=\"100%\" height=\"100%\" rx=\"8\" fill=\"#16181d\"/>\n"
+    )
+}
+
+/// Text whose first cell has this column and row.
+fn put(svg: &mut String, column: f64, row: f64, class: &str, glyphs: &str) {
+    let (x, y) = (column * CELL.0, (row + 0.8) * CELL.1);
+    let length = glyphs.len() as f64 * CELL.0;
+    writeln!(
+        svg,
+        "<text{class} x=\"{x:.1}\" y=\"{y:.1}\" textLength=\"{length:.1}\">{glyphs}</text>"
+    )
+    .unwrap();
+}
+
+/// donut.c's frames below one another, drawn upwards past a window of one frame.
+///
+/// In 157 frames, half of donut.c's turn, B goes once round and A twice: then it begins again.
+fn moving_picture() -> String {
+    const FRAMES: usize = 157;
+    const ROWS: f64 = 22.0;
+    /// The cells in which the donut is ever seen.
+    const COLUMNS: Range<usize> = 14..64;
+    let turn = std::f64::consts::TAU / FRAMES as f64;
+    let options = format!("--spin={},{turn} --frames={FRAMES} --fps=0", 2.0 * turn);
+    let style = format!(
+        "g{{animation:film {:.2}s steps({FRAMES}) infinite}}\
+         @keyframes film{{to{{transform:translateY(-{}px)}}}}\
+         @media(prefers-reduced-motion:reduce){{g{{animation:none}}}}",
+        FRAMES as f64 / 15.0,
+        FRAMES as f64 * ROWS * CELL.1
     );
-    for (n, frame) in frames().iter().enumerate() {
-        for (row, line) in frame.lines().skip(1).enumerate() {
+    let title = "A spinning donut of ASCII characters";
+    let mut svg = head(title, COLUMNS.len() as f64, ROWS, &style) + "<g>\n";
+    for (n, frame) in frames(&options).iter().enumerate() {
+        for (row, line) in frame.iter().enumerate() {
             let line = line.trim_end();
             let glyphs = line.trim_start();
             if !glyphs.is_empty() {
                 let column = line.len() - glyphs.len() - COLUMNS.start;
                 assert!(line.len() <= COLUMNS.end);
-                let x = column as f64 * CELL.0;
-                let y = n as f64 * height + (row as f64 + 0.8) * CELL.1;
-                let length = glyphs.len() as f64 * CELL.0;
-                writeln!(
-                    svg,
-                    "<text x=\"{x:.1}\" y=\"{y:.1}\" textLength=\"{length:.1}\">{glyphs}</text>"
-                )
-                .unwrap();
+                // The first row is always empty. Half of it is the margin, here and at the bottom.
+                let row = n as f64 * ROWS + row as f64 - 0.5;
+                put(&mut svg, column as f64, row, "", glyphs);
             }
         }
     }
     svg + "</g>\n</svg>\n"
 }
 
+/// One pose in both methods, side by side. What classic draws otherwise than exact has another colour.
+fn two_methods() -> String {
+    /// The cells in which this donut is seen.
+    const COLUMNS: Range<usize> = 43..93;
+    const ROWS: Range<usize> = 0..36;
+    let pose = "--width=120 --height=36 -A=1 -B=1.57 --frames=1 --method";
+    let [classic, exact] =
+        ["classic", "exact"].map(|method| frames(&format!("{pose}={method}")).remove(0));
+    let title = "A donut in the method classic, and the same donut in the method exact";
+    let gap = 2.0;
+    let (columns, rows) = (2.0 * COLUMNS.len() as f64 + gap, ROWS.len() as f64 + 2.0);
+    let mut svg = head(title, columns, rows, ".wrong{fill:#ff8c42}");
+    for (picture, name, left) in [
+        (&classic, "classic, orange where exact differs", 0.0),
+        (&exact, "exact", COLUMNS.len() as f64 + gap),
+    ] {
+        put(&mut svg, left + 1.0, 0.5, "", name);
+        for (row, (line, truth)) in picture.iter().zip(&exact).enumerate() {
+            let cells: Vec<_> = line.bytes().zip(truth.bytes()).collect();
+            assert!(cells.iter().rposition(|cell| cell.0 != b' ') < Some(COLUMNS.end));
+            let kind = |cell: &(u8, u8)| (cell.0 != b' ', cell.0 != cell.1);
+            let mut column = 0;
+            for run in cells.chunk_by(|a, b| kind(a) == kind(b)) {
+                let (seen, wrong) = kind(&run[0]);
+                if seen {
+                    let glyphs: String = run.iter().map(|cell| char::from(cell.0)).collect();
+                    let class = if wrong { " class=\"wrong\"" } else { "" };
+                    let at = left + (column - COLUMNS.start) as f64;
+                    put(&mut svg, at, row as f64 + 1.5, class, &glyphs);
+                }
+                column += run.len();
+            }
+        }
+    }
+    svg + "</svg>\n"
+}
+
 #[test]
 fn the_moving_picture_shows_the_programs_own_frames() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/donut.svg");
-    let svg = svg();
-    if std::env::var_os("UPDATE").is_some() {
-        std::fs::write(path, &svg).unwrap();
+    assert_current("tests/donut.svg", &moving_picture());
+}
+
+#[test]
+fn the_picture_of_the_two_methods_shows_the_programs_own_frames() {
+    assert_current("tests/methods.svg", &two_methods());
+}
+
+// ---- The figures of the README -------------------------------------------------------------------
+
+/// The measured table: what its column of this title has for a method at a size.
+struct Table {
+    text: String,
+}
+
+impl Table {
+    fn figure(&self, method: &str, size: &str, title: &str) -> f64 {
+        let column = self.text.lines().next().unwrap().split(',').position(|name| name == title);
+        let line = self.text.lines().find(|line| line.starts_with(&format!("{method},{size},")));
+        line.unwrap().split(',').nth(column.unwrap()).unwrap().parse().unwrap()
     }
-    assert!(svg.len() < 400_000, "{} bytes", svg.len());
-    let stored = std::fs::read_to_string(path).unwrap();
-    assert!(stored == svg, "tests/donut.svg is stale: run UPDATE=1 cargo test, and commit");
+
+    fn micros(&self, method: &str) -> f64 {
+        self.figure(method, "80x22", "us per frame (median)")
+    }
+
+    /// Cells of a kind at 80x22, in per cent of the donut's.
+    fn share(&self, method: &str, kind: &str) -> f64 {
+        let cells = self.figure(method, "80x22", "cells of the donut");
+        100.0 * self.figure(method, "80x22", kind) / cells
+    }
+
+    /// Over the three sizes of the first chart.
+    fn sum(&self, method: &str, title: &str) -> f64 {
+        ["80x22", "160x44", "320x88"].map(|size| self.figure(method, size, title)).iter().sum()
+    }
+}
+
+/// What the README says of the table.
+fn sentences(table: &Table) -> [String; 7] {
+    let micros = |method| table.micros(method);
+    let wrong = |method| table.share(method, "wrong cells");
+    let classic = |kind| table.share("classic x1", kind);
+    for method in ["exact", "closed form f32", "closed form f64"] {
+        assert_eq!(table.sum(method, "wrong cells"), 0.0, "the README says that {method} is right");
+    }
+    assert_eq!(classic("holes"), 0.0, "the README says that no cell is missing");
+    let cells = table.sum("exact", "cells of the donut");
+    let exact = micros("exact");
+    [
+        format!(
+            "at 80x22 {:.1} % of classic's cells are wrong: {:.1} % are one shade off, {:.1} % are \
+             further off, and {:.1} % are extra cells around the outline. No cell is missing.",
+            classic("wrong cells"),
+            classic("one shade off"),
+            classic("more shades off"),
+            classic("extra outline")
+        ),
+        format!("right in all of the {},{:03} cells", cells as u32 / 1000, cells as u32 % 1000),
+        format!(
+            "at 80x22 it takes {exact:.0} us for a frame. That is {:.1} times as fast as classic, \
+             and {:.0} times as fast as donut.c as written.",
+            micros("classic x1") / exact,
+            micros("donut.c as written") / exact
+        ),
+        format!(
+            "With at most 8 steps it takes {:.0} us, and {:.1} % of the cells are wrong; with 256 \
+             it takes {:.0} us, and {:.2} % are still wrong.",
+            micros("sphere tracing 8"),
+            wrong("sphere tracing 8"),
+            micros("sphere tracing 256"),
+            wrong("sphere tracing 256")
+        ),
+        format!(
+            "takes {:.1} times as long in f32 and {:.1} times in f64",
+            micros("closed form f32") / exact,
+            micros("closed form f64") / exact
+        ),
+        format!(
+            "from x4 to x2 its wrong cells fall from {:.0} % to {:.0} %, and from there they rise \
+             to {:.0} % at x1/4",
+            wrong("classic x4"),
+            wrong("classic x2"),
+            wrong("classic x1/4")
+        ),
+        format!(
+            "at 1280x352 a frame takes {:.0} ms in classic and {:.0} ms in exact",
+            table.figure("classic x1", "1280x352", "us per frame (median)") / 1000.0,
+            table.figure("exact", "1280x352", "us per frame (median)") / 1000.0
+        ),
+    ]
+}
+
+#[test]
+fn the_readme_has_the_figures_of_the_table() {
+    let table = Table { text: read("tests/chart/speed-and-accuracy.csv") };
+    let readme = read("README.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    let missing = sentences(&table).into_iter().filter(|sentence| !readme.contains(sentence));
+    let missing: Vec<_> = missing.collect();
+    assert!(missing.is_empty(), "the README should say:\n{}", missing.join("\n"));
+
+    let clock = read("tests/chart/clock.csv");
+    let errors = clock.lines().skip(1).map(|line| line.split_once(',').unwrap());
+    let mut turns = errors.filter(|error| error.1.parse::<f64>().unwrap() > std::f64::consts::TAU);
+    let frame: u32 = turns.next().unwrap().0.parse().unwrap();
+    assert!(frame.abs_diff(200_000) < 20_000, "the whole turn of the clock is near frame {frame}");
 }
