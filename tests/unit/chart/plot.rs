@@ -212,7 +212,7 @@ pub fn speed_and_accuracy(rows: &[Row]) -> Result<String> {
 fn size_panel(area: &Area, rows: &[Row], times: usize) -> Result<()> {
     let rows: Vec<_> = rows.iter().filter(|row| row.times == times).collect();
     // What grows with the cells is at the same place in each panel.
-    let range = [5.0, 12_000.0].map(|micros| micros * (times * times) as f64);
+    let range = [2.5, 12_000.0].map(|micros| micros * (times * times) as f64);
     let mut decades = decades(1, 5);
     // No number goes beyond the end of the axis.
     decades.retain(|(micros, _)| (range[0]..0.6 * range[1]).contains(micros));
@@ -290,7 +290,11 @@ fn others(panel: &Panel, rows: &[&Row], large: bool) -> Result<()> {
     for row in &tracing {
         panel.label(ends(row)[0], (-7, 0), Right, &row.name[15..], &BLUE)?;
     }
-    panel.label(ends(tracing[1])[1], (8, 0), Left, "sphere tracing", &BLUE)?;
+    let (at, beside, end) = match large {
+        true => (ends(tracing[0])[0], (-22, 0), Right),
+        false => (ends(tracing[1])[1], (8, 0), Left),
+    };
+    panel.label(at, beside, end, "sphere tracing", &BLUE)?;
 
     let closed = named(rows, "closed form ");
     curve(panel, &closed, &PURPLE)?;
