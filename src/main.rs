@@ -40,18 +40,16 @@
 //!
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
+use std::convert::Infallible;
 use std::f64::consts::TAU;
 use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
-use std::ops::RangeInclusive;
-#[cfg(unix)]
-use std::os::fd::AsFd;
-#[cfg(windows)]
-use std::os::windows::io::AsHandle;
+use std::ops::{ControlFlow, RangeInclusive};
 use std::process::{self, ExitCode};
 use std::str::FromStr;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
+use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 use std::{env, panic, thread};
 
@@ -59,15 +57,16 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
 use crossterm::cursor::{Hide, Show};
 use crossterm::event::{self, Event, KeyCode, KeyModifiers};
-use crossterm::execute;
-use crossterm::style::{self, Color, SetForegroundColor};
+use crossterm::queue;
+use crossterm::style::{self, Color, ResetColor, SetForegroundColor};
 use crossterm::terminal::{
     self, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
 };
 #[cfg(unix)]
-use rustix::process::{Signal, kill_current_process_group};
-#[cfg(unix)]
-use signal_hook::{consts::SIGTSTP, iterator::Signals};
+use signal_hook::{
+    consts::{SIGCONT, SIGQUIT, SIGTSTP},
+    iterator::Signals,
+};
 
 // ---- Options -------------------------------------------------------------------------------------
 
@@ -684,19 +683,27 @@ impl Output {
             Output::Terminal
         }
     }
-}
 
-const CLEAR: &[u8] = b"\x1b[2J";
-const HOME: &[u8] = b"\x1b[H";
-const RESET: &[u8] = b"\x1b[0m";
-const BEGIN_UPDATE: &[u8] = b"\x1b[?2026h";
-const END_UPDATE: &[u8] = b"\x1b[?2026l";
+    /// What begins a frame that clears the screen, what begins any other frame, what comes before each
+    /// row, and what ends the frame.
+    fn around_rows(self) -> (&'static str, &'static str, &'static str, &'static str) {
+        match self {
+            // donut.c's own bytes.
+            Output::Pipe => ("\x1b[2J\x1b[H", "\x1b[H", "\n", "\n"),
+            // A synchronized update shows no half frame. In raw mode a newline needs its \r.
+            Output::Terminal => {
+                ("\x1b[?2026h\x1b[2J\x1b[H", "\x1b[?2026h\x1b[H", "\r\n", "\x1b[?2026l")
+            }
+            Output::DumbTerminal => ("", "", "\n", "\n"),
+        }
+    }
+}
 
 /// How a framebuffer becomes bytes.
 struct Encoder {
     output: Output,
-    /// The SGR sequence to draw in, or nothing.
-    color: String,
+    /// The sequences that begin and end the colour, or two empty ones.
+    color: (String, &'static str),
     /// Whether the next frame clears the screen, where something else may have been left.
     clear: bool,
 }
@@ -705,178 +712,373 @@ impl Encoder {
     fn new(output: Output, color: Option<Color>) -> Encoder {
         // The option is explicit, and so stronger than NO_COLOR.
         style::force_color_output(true);
-        let escapes = output != Output::DumbTerminal;
-        let color = color.filter(|_| escapes).map(SetForegroundColor);
-        let color = color.map_or(String::new(), |color| color.to_string());
-        Encoder { output, color, clear: escapes }
+        let color = color.filter(|_| output != Output::DumbTerminal).map(SetForegroundColor);
+        let color = color.map(|color| (color.to_string(), "\x1b[0m")).unwrap_or_default();
+        Encoder { output, color, clear: true }
     }
 
-    /// Appends a frame to `out`. On a pipe these are donut.c's bytes; on a terminal a synchronized
-    /// update, so that no half frame shows, with what raw mode needs for a newline.
+    /// Appends a frame to `out`.
     fn encode(&mut self, framebuffer: &[u8], width: usize, out: &mut Vec<u8>) {
-        let mut put = |when: bool, bytes: &[u8]| {
-            if when {
-                out.extend_from_slice(bytes)
-            }
-        };
-        let terminal = self.output == Output::Terminal;
-        put(terminal, BEGIN_UPDATE);
-        put(self.clear, CLEAR);
-        put(self.output != Output::DumbTerminal, HOME);
-        put(true, self.color.as_bytes());
+        let (clear, home, newline, end) = self.output.around_rows();
+        out.extend_from_slice(if self.clear { clear } else { home }.as_bytes());
+        out.extend_from_slice(self.color.0.as_bytes());
         for row in framebuffer.chunks_exact(width) {
             // The newline stands for column 0, which stays empty.
-            put(true, if terminal { b"\r\n" } else { b"\n" });
-            put(true, &row[1..]);
+            out.extend_from_slice(newline.as_bytes());
+            out.extend_from_slice(&row[1..]);
         }
-        put(!terminal, b"\n");
-        put(!self.color.is_empty(), RESET);
-        put(terminal, END_UPDATE);
+        out.extend_from_slice(end.as_bytes());
+        out.extend_from_slice(self.color.1.as_bytes());
         self.clear = false;
     }
 }
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-/// What the loop may be told while it waits for the next frame.
-#[derive(Clone, Copy)]
-enum Order {
-    Quit,
+/// What the loop is asked to do while it waits for the next frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Action {
+    /// End; by this signal if there is one.
+    Quit(Option<i32>),
     Pause,
+    /// Switch the shading off or on.
     Shade,
+    /// Stop, until the shell continues the program.
     Suspend,
+    /// Go on after a stop.
+    Resume,
     Redraw,
 }
 
-impl Order {
-    fn of(event: &Event) -> Option<Order> {
+type Sender = mpsc::Sender<io::Result<Action>>;
+type Receiver = mpsc::Receiver<io::Result<Action>>;
+
+impl Action {
+    fn of(event: &Event) -> Option<Action> {
         let Event::Key(key) = event else {
-            return event.as_resize_event().map(|_| Order::Redraw);
+            return event.as_resize_event().map(|_| Action::Redraw);
         };
         match (key.code, key.modifiers) {
             _ if !key.is_press() => None,
-            (KeyCode::Char('c'), KeyModifiers::CONTROL) => Some(Order::Quit),
-            (KeyCode::Char('z'), KeyModifiers::CONTROL) => Some(Order::Suspend),
-            (KeyCode::Char('q') | KeyCode::Esc, KeyModifiers::NONE) => Some(Order::Quit),
-            (KeyCode::Char('p'), KeyModifiers::NONE) => Some(Order::Pause),
-            (KeyCode::Char(' '), KeyModifiers::NONE) => Some(Order::Shade),
+            (KeyCode::Char('c'), KeyModifiers::CONTROL) => Some(Action::Quit(None)),
+            (KeyCode::Char('z'), KeyModifiers::CONTROL) => Some(Action::Suspend),
+            (KeyCode::Char('q') | KeyCode::Esc, KeyModifiers::NONE) => Some(Action::Quit(None)),
+            (KeyCode::Char('p'), KeyModifiers::NONE) => Some(Action::Pause),
+            (KeyCode::Char(' '), KeyModifiers::NONE) => Some(Action::Shade),
             _ => None,
         }
     }
 }
 
-/// The terminal while the donut has it.
-#[derive(Clone, Copy)]
+/// How long the reader of keys waits for one before it looks whether it may go on reading.
+const READ: Duration = Duration::from_millis(40);
+/// How long the loop waits at most before it looks whether the terminal is still there.
+const LOOK: Duration = Duration::from_millis(500);
+/// Bytes that are written to a terminal at once: a picture of 80x22 is one piece.
+const PIECE: usize = 2048;
+
+/// Standard output and, if it is a terminal, what the donut does with it.
+///
+/// The main thread takes the terminal, writes to it and gives it back. Other threads read keys and
+/// receive signals, and send actions to the main thread.
 struct Screen {
+    output: Output,
+    /// Standard output without std's line buffer, so that one write is one system call.
+    stdout: File,
     /// Whether there are keys to read, in raw mode.
     keys: bool,
     /// Whether the donut has a screen of its own, or stays behind on the one it found.
     alternate: bool,
+    /// Whether the donut has the terminal. Only then does it read keys and draw.
+    taken: AtomicBool,
+    /// The writes that began plus those that ended: odd during a write.
+    writes: AtomicUsize,
+    /// Whether the program is about to end.
+    ending: AtomicBool,
+    /// Whether it ends because the terminal does not read.
+    unread: AtomicBool,
 }
 
 impl Screen {
-    /// Takes the terminal, and has whatever happens to it told to the loop.
-    fn open(alternate: bool, tell: &Sender<Order>) -> io::Result<Screen> {
-        let screen = Screen { keys: io::stdin().is_terminal(), alternate };
-        screen.hear_signals(tell)?;
-        let report = panic::take_hook();
-        panic::set_hook(Box::new(move |panic| {
-            screen.leave();
-            report(panic);
-        }));
-        screen.enter().inspect_err(|_| screen.leave())?;
-        if screen.keys {
-            let tell = tell.clone();
-            thread::spawn(move || screen.hear_keys(&tell));
-        }
-        Ok(screen)
+    fn new(output: Output, alternate: bool) -> io::Result<Screen> {
+        Ok(Screen {
+            output,
+            stdout: system::stdout()?,
+            keys: output == Output::Terminal && io::stdin().is_terminal(),
+            alternate,
+            taken: AtomicBool::new(false),
+            writes: AtomicUsize::new(0),
+            ending: AtomicBool::new(false),
+            unread: AtomicBool::new(false),
+        })
     }
 
-    fn hear_signals(self, tell: &Sender<Order>) -> io::Result<()> {
-        let quit = tell.clone();
-        ctrlc::set_handler(move || self.quit(&quit)).map_err(io::Error::other)?;
-        #[cfg(unix)]
-        {
-            let (suspend, mut stops) = (tell.clone(), Signals::new([SIGTSTP])?);
-            thread::spawn(move || stops.forever().try_for_each(|_| suspend.send(Order::Suspend)));
+    /// Starts to send what keys and signals ask for, and has a panic give the terminal back.
+    fn watch(self: &Arc<Screen>, sender: &Sender) -> io::Result<()> {
+        let (screen, report) = (self.clone(), panic::take_hook());
+        panic::set_hook(Box::new(move |panic| {
+            screen.ending.store(true, SeqCst);
+            let _ = screen.give_back();
+            report(panic);
+            // Whichever thread it was: 101 is the exit code of a panic.
+            process::exit(101);
+        }));
+        self.watch_signals(sender)?;
+        if self.keys {
+            let (screen, sender) = (self.clone(), sender.clone());
+            thread::spawn(move || {
+                let Err(error) = screen.read_keys(&sender);
+                sender.send(Err(error))
+            });
         }
         Ok(())
     }
 
-    fn hear_keys(self, tell: &Sender<Order>) {
-        while let Ok(event) = event::read() {
-            // Behind an Esc that was pressed comes nothing; behind one that begins the code of some
-            // other key, and came first over a slow line, comes the rest.
-            let escape = cfg!(unix) && event == Event::Key(KeyCode::Esc.into());
-            if escape && event::poll(Duration::from_millis(20)).unwrap_or_default() {
-                continue;
+    /// Every signal that is not left to its default.
+    fn watch_signals(self: &Arc<Screen>, sender: &Sender) -> io::Result<()> {
+        let (screen, quit) = (self.clone(), sender.clone());
+        // SIGINT, SIGTERM and SIGHUP.
+        ctrlc::set_handler(move || screen.send(&quit, Action::Quit(None)))
+            .map_err(io::Error::other)?;
+        #[cfg(unix)]
+        {
+            let (screen, sender) = (self.clone(), sender.clone());
+            let mut signals = Signals::new([SIGTSTP, SIGCONT, SIGQUIT])?;
+            thread::spawn(move || {
+                for signal in signals.forever() {
+                    screen.send(
+                        &sender,
+                        match signal {
+                            SIGTSTP => Action::Suspend,
+                            SIGCONT => Action::Resume,
+                            _ => Action::Quit(Some(signal)),
+                        },
+                    );
+                }
+            });
+        }
+        Ok(())
+    }
+
+    fn read_keys(&self, sender: &Sender) -> io::Result<Infallible> {
+        let escape = Event::Key(KeyCode::Esc.into());
+        loop {
+            // To read in the background stops the program, with all its threads.
+            while !self.taken.load(SeqCst) {
+                thread::sleep(READ);
             }
-            match Order::of(&event) {
-                Some(Order::Quit) => self.quit(tell),
-                Some(order) => tell.send(order).unwrap_or_default(),
-                None => {}
+            while event::poll(READ)? {
+                let mut event = event::read()?;
+                // Behind an Esc that was pressed comes no key at once; behind one that begins the code of
+                // some other key, and came first over a slow line, comes the rest.
+                while cfg!(unix) && event == escape && event::poll(Duration::from_millis(20))? {
+                    match event::read()? {
+                        Event::Key(key) => event = Event::Key(key),
+                        _ => break,
+                    }
+                }
+                if let Some(action) = Action::of(&event) {
+                    self.send(sender, action);
+                }
             }
         }
-        // Without keys nobody could end it: raw mode takes Ctrl-C for one.
-        self.quit(tell);
     }
 
-    /// Stops the loop or, if a terminal that does not read holds that up, a little later the program.
-    fn quit(self, tell: &Sender<Order>) {
-        let _ = tell.send(Order::Quit);
-        thread::sleep(Duration::from_millis(700));
-        thread::spawn(move || self.leave());
-        thread::sleep(Duration::from_millis(200));
-        process::exit(1);
+    /// Sends an action to the loop. After a Quit it does not return: it watches the end.
+    fn send(&self, sender: &Sender, action: Action) {
+        let quit = matches!(action, Action::Quit(_));
+        self.ending.fetch_or(quit, SeqCst);
+        let _ = sender.send(Ok(action));
+        if quit {
+            self.end_if_nobody_reads();
+        }
     }
 
-    fn enter(self) -> io::Result<()> {
-        // Input comes first: without it there is nothing to undo.
+    /// Waits for the main thread to end the program, unless one write takes 0.7 s: then the terminal
+    /// does not read. What it did not read is dropped, so that the main thread can go on.
+    fn end_if_nobody_reads(&self) -> ! {
+        let (mut writes, mut waits) = (0, 0);
+        while waits < 7 {
+            let now = self.writes.load(SeqCst);
+            waits = if now == writes && now % 2 == 1 { waits + 1 } else { 0 };
+            writes = now;
+            thread::sleep(Duration::from_millis(100));
+        }
+        self.unread.store(true, SeqCst);
+        let in_front = self.is_in_front().unwrap_or(false);
+        if in_front {
+            let _ = system::drop_unread_output();
+        }
+        thread::sleep(Duration::from_millis(300));
+        if in_front {
+            let _ = terminal::disable_raw_mode();
+        }
+        process::exit(1)
+    }
+
+    /// Whether the terminal is the donut's to use. In its background it is the shell's or another
+    /// job's: to change its settings there stops the program, with all its threads.
+    fn is_in_front(&self) -> io::Result<bool> {
+        if self.output == Output::Terminal { system::is_in_front(self.keys) } else { Ok(true) }
+    }
+
+    /// Takes the terminal. False if the donut has it already.
+    fn take(&self) -> io::Result<bool> {
+        if self.output != Output::Terminal || self.taken.swap(true, SeqCst) {
+            return Ok(false);
+        }
         if self.keys {
+            // Enabling does nothing while crossterm believes in a raw mode that a shell has undone.
+            terminal::disable_raw_mode()?;
             terminal::enable_raw_mode()?;
         }
+        let mut bytes = Vec::new();
         if self.alternate {
-            execute!(io::stdout(), EnterAlternateScreen)?;
+            queue!(bytes, EnterAlternateScreen)?;
         }
-        execute!(io::stdout(), Hide)
+        queue!(bytes, Hide)?;
+        self.write(&bytes)?;
+        Ok(true)
     }
 
-    /// Gives the terminal back as it was found. It may be gone: then there is nothing left to do.
-    fn leave(self) {
-        let _ = terminal::disable_raw_mode();
-        let _ = execute!(io::stdout(), EndSynchronizedUpdate, Show);
-        let _ = if self.alternate {
-            execute!(io::stdout(), LeaveAlternateScreen)
+    /// Gives the terminal back as it was found, if the donut has it. In the background that is all but
+    /// its settings, which the shell has restored.
+    fn give_back(&self) -> io::Result<()> {
+        if !self.taken.swap(false, SeqCst) {
+            return Ok(());
+        }
+        let in_front = self.is_in_front()?;
+        let mut bytes = Vec::new();
+        queue!(bytes, EndSynchronizedUpdate, ResetColor, Show)?;
+        if self.alternate {
+            queue!(bytes, LeaveAlternateScreen)?;
         } else {
-            io::stdout().write_all(b"\r\n")
-        };
+            bytes.extend(b"\r\n");
+        }
+        if in_front {
+            terminal::disable_raw_mode()?;
+        }
+        if in_front || system::may_write_in_background()? { self.write(&bytes) } else { Ok(()) }
     }
 
-    /// Hands the terminal to the shell until it says `fg`.
-    fn suspend(self) -> io::Result<()> {
-        self.leave();
-        // The whole job, as the terminal's own Ctrl-Z does: its shell waits for the first process.
-        #[cfg(unix)]
-        kill_current_process_group(Signal::STOP)?;
-        self.enter()
+    /// Writes a frame: at once on a pipe, and in pieces on a terminal. Once the program is about to
+    /// end, the pieces that are left are not worth waiting for.
+    fn write(&self, bytes: &[u8]) -> io::Result<()> {
+        let size = if self.output == Output::Terminal { PIECE } else { bytes.len() };
+        for (n, piece) in bytes.chunks(size).enumerate() {
+            if n > 0 && self.ending.load(SeqCst) {
+                break;
+            }
+            self.writes.fetch_add(1, SeqCst);
+            let written = (&self.stdout).write_all(piece);
+            self.writes.fetch_add(1, SeqCst);
+            written?;
+        }
+        Ok(())
+    }
+
+    /// Columns and rows of the terminal; 80x24 for one that does not know, and for a pipe.
+    fn size(&self) -> io::Result<(u16, u16)> {
+        let size = if self.output == Output::Pipe { (0, 0) } else { system::terminal_size()? };
+        Ok(if size.0 > 0 && size.1 > 0 { size } else { (80, 24) })
     }
 }
 
-/// Columns and rows of the terminal; 80x24 for one that does not know.
-fn terminal_size() -> (u16, u16) {
-    match terminal::size() {
-        Ok((columns, rows)) if columns > 0 && rows > 0 => (columns, rows),
-        _ => (80, 24),
+/// What differs between operating systems.
+#[cfg(unix)]
+mod system {
+    use std::fs::File;
+    use std::io;
+    use std::os::fd::AsFd;
+
+    use rustix::io::Errno;
+    use rustix::process::{Signal, getpgrp, getsid, kill_current_process_group};
+    use rustix::termios::{
+        self, Action, LocalModes, QueueSelector, tcflow, tcflush, tcgetattr, tcgetpgrp,
+    };
+
+    pub fn stdout() -> io::Result<File> {
+        Ok(io::stdout().as_fd().try_clone_to_owned()?.into())
+    }
+
+    pub fn terminal_size() -> io::Result<(u16, u16)> {
+        let size = termios::tcgetwinsize(io::stdout())?;
+        Ok((size.ws_col, size.ws_row))
+    }
+
+    pub fn is_in_front(keys: bool) -> io::Result<bool> {
+        match if keys { tcgetpgrp(io::stdin()) } else { tcgetpgrp(io::stdout()) } {
+            Ok(group) => Ok(group == getpgrp()),
+            Err(Errno::IO) => Err(Errno::IO.into()),
+            // It controls no session of ours: nobody can be in front of us.
+            Err(_) => Ok(true),
+        }
+    }
+
+    /// Whether the terminal lets programs in its background write.
+    pub fn may_write_in_background() -> io::Result<bool> {
+        Ok(!tcgetattr(io::stdout())?.local_modes.contains(LocalModes::TOSTOP))
+    }
+
+    /// Whether there is a shell to continue what is stopped: none waits for a session's first group.
+    pub fn can_suspend() -> bool {
+        getsid(None) != Ok(getpgrp())
+    }
+
+    /// Stops the whole job, as the terminal's own Ctrl-Z does: its shell waits for the first process.
+    pub fn suspend() -> io::Result<()> {
+        Ok(kill_current_process_group(Signal::STOP)?)
+    }
+
+    /// Drops what is written but not read, also where Ctrl-S holds it, and wakes a write that waits.
+    pub fn drop_unread_output() -> io::Result<()> {
+        tcflush(io::stdout(), QueueSelector::OFlush)?;
+        tcflow(io::stdout(), Action::OOff)?;
+        Ok(tcflow(io::stdout(), Action::OOn)?)
+    }
+
+    /// Ends the program as the signal would have.
+    pub fn end_by(signal: i32) -> io::Result<()> {
+        signal_hook::low_level::emulate_default_handler(signal)
     }
 }
 
-/// Standard output without std's line buffer, so that one write is one system call.
-fn unbuffered_stdout() -> io::Result<File> {
-    #[cfg(unix)]
-    let handle = io::stdout().as_fd().try_clone_to_owned()?;
-    #[cfg(windows)]
-    let handle = io::stdout().as_handle().try_clone_to_owned()?;
-    Ok(File::from(handle))
+/// What differs between operating systems: Windows has no background and no job to suspend.
+#[cfg(windows)]
+mod system {
+    use std::fs::File;
+    use std::io;
+    use std::os::windows::io::AsHandle;
+
+    pub use crossterm::terminal::size as terminal_size;
+
+    pub fn stdout() -> io::Result<File> {
+        Ok(io::stdout().as_handle().try_clone_to_owned()?.into())
+    }
+
+    pub fn is_in_front(_keys: bool) -> io::Result<bool> {
+        Ok(true)
+    }
+
+    pub fn may_write_in_background() -> io::Result<bool> {
+        Ok(true)
+    }
+
+    pub fn can_suspend() -> bool {
+        false
+    }
+
+    pub fn suspend() -> io::Result<()> {
+        Ok(())
+    }
+
+    pub fn drop_unread_output() -> io::Result<()> {
+        Ok(())
+    }
+
+    pub fn end_by(_signal: i32) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 // ---- Loop ----------------------------------------------------------------------------------------
@@ -935,127 +1137,186 @@ impl Method {
 /// The donut as it is shown, frame after frame.
 struct Animation<'a> {
     options: &'a Options,
-    screen: Option<Screen>,
+    screen: Arc<Screen>,
+    /// Columns and rows of the terminal when the last frame was drawn.
+    size: (u16, u16),
     renderer: Renderer,
     clock: Clock,
     encoder: Encoder,
     /// Whether the shading is off: every cell of the donut a dot.
     flat: bool,
-    stdout: File,
+    paused: bool,
+    /// When the next frame is to be drawn.
+    due: Instant,
     /// The bytes of a frame.
     out: Vec<u8>,
 }
 
 /// Shows the donut until there are frames enough, somebody says stop, or nobody reads any more.
 fn run(options: &Options, scene: Scene) -> io::Result<()> {
+    if options.frames == Some(0) {
+        return Ok(());
+    }
     let output = Output::detect();
     let mut animation = Animation::new(options, scene, output)?;
-    let (tell, told) = channel();
+    let (sender, actions) = mpsc::channel();
     match output {
-        Output::DumbTerminal => return animation.draw(),
-        Output::Terminal => animation.screen = Some(Screen::open(options.frames.is_none(), &tell)?),
-        Output::Pipe => {}
+        Output::Pipe => animation.play(&actions).map(|_| ()),
+        Output::DumbTerminal => animation.draw(),
+        Output::Terminal => {
+            let screen = animation.screen.clone();
+            screen.watch(&sender)?;
+            let played = animation.play(&actions);
+            let given_back = screen.give_back();
+            let signal = played?;
+            given_back?;
+            if screen.unread.load(SeqCst) {
+                return Err(io::Error::other("the terminal does not read"));
+            }
+            signal.map_or(Ok(()), system::end_by)
+        }
     }
-    animation.play(&told)
 }
 
 /// The camera for the size of the options, clipped to the terminal.
-fn fit(options: &Options, scene: &Scene, output: Output) -> Camera {
-    let (mut width, mut height) = (options.width.unwrap_or(80), options.height.unwrap_or(22));
-    if output != Output::Pipe {
-        let (columns, rows) = terminal_size();
-        let rows = rows.saturating_sub(2).max(1);
-        width = options.width.unwrap_or(4096).min(columns);
-        height = options.height.unwrap_or(4096).min(rows);
-    }
+fn fit(options: &Options, scene: &Scene, output: Output, (columns, rows): (u16, u16)) -> Camera {
+    let clip = |asked: Option<u16>, most: u16| match asked {
+        Some(asked) if output == Output::Pipe => asked,
+        asked => asked.unwrap_or(4096).min(most),
+    };
+    let width = clip(options.width, columns);
+    let height = clip(options.height, rows.saturating_sub(2).max(1));
     Camera::new(width.into(), height.into(), options.aspect, scene)
 }
 
 impl Animation<'_> {
     fn new(options: &Options, scene: Scene, output: Output) -> io::Result<Animation<'_>> {
+        let screen = Arc::new(Screen::new(output, options.frames.is_none())?);
+        let size = screen.size()?;
         Ok(Animation {
             options,
-            screen: None,
-            renderer: Renderer::new(scene, fit(options, &scene, output), options.method),
+            screen,
+            size,
+            renderer: Renderer::new(scene, fit(options, &scene, output, size), options.method),
             clock: Clock { origin: [options.a, options.b], frames: 0, spin: options.spin },
             encoder: Encoder::new(output, options.color),
             flat: false,
-            stdout: unbuffered_stdout()?,
+            paused: false,
+            due: Instant::now(),
             out: Vec::new(),
         })
     }
 
-    fn play(&mut self, told: &Receiver<Order>) -> io::Result<()> {
+    /// Draws frames as they come due, and obeys in between. Returns the signal that ended it, if any.
+    fn play(&mut self, actions: &Receiver) -> io::Result<Option<i32>> {
         // At 0 every frame is due at once; 31 years are as good as any longer time.
         let fps = self.options.fps;
         let seconds = if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 };
         let interval = Duration::from_secs_f64(seconds);
-        let mut due = Instant::now();
-        for frame in 0..self.options.frames.unwrap_or(u64::MAX) {
-            if frame > 0 {
-                // Absolute deadlines do not drift; after a stall it goes on from now.
-                due = (due + interval).max(Instant::now());
-                if !self.wait(&mut due, told)? {
-                    break;
+        let (mut frames, mut wait) = (0, Duration::ZERO);
+        while frames < self.options.frames.unwrap_or(u64::MAX) {
+            // All that waits is obeyed before the next drawing.
+            let first = actions.recv_timeout(wait).ok();
+            let mut redraw = first.is_some();
+            for action in first.into_iter().chain(actions.try_iter()) {
+                if let ControlFlow::Break(signal) = self.obey(action?, actions)? {
+                    return Ok(signal);
                 }
+            }
+            if !self.screen.is_in_front()? {
+                self.screen.give_back()?;
+                // A shell that brings a running job to its foreground does not say so.
+                wait = Duration::from_millis(100);
+                continue;
+            }
+            if self.screen.take()? {
+                (self.encoder.clear, redraw) = (true, true);
+            }
+            redraw |= self.fit()?;
+            let due = !self.paused && self.due <= Instant::now();
+            if due && frames > 0 {
                 self.clock.tick(self.renderer.method);
             }
-            self.draw()?;
+            if due || redraw && frames > 0 {
+                self.draw()?;
+            }
+            if due {
+                // Absolute deadlines do not drift; after a stall it goes on from now.
+                self.due = (self.due + interval).max(Instant::now());
+                frames += 1;
+            }
+            let left = self.due.saturating_duration_since(Instant::now());
+            wait = if self.paused { LOOK } else { left.min(LOOK) };
         }
-        Ok(())
+        Ok(None)
+    }
+
+    fn obey(&mut self, action: Action, actions: &Receiver) -> io::Result<ControlFlow<Option<i32>>> {
+        match action {
+            Action::Quit(signal) => return Ok(ControlFlow::Break(signal)),
+            Action::Pause => (self.paused, self.due) = (!self.paused, Instant::now()),
+            Action::Shade => self.flat = !self.flat,
+            Action::Redraw => self.encoder.clear = true,
+            // Whoever had the terminal meanwhile: the loop takes it anew.
+            Action::Resume => self.screen.give_back()?,
+            Action::Suspend if system::can_suspend() => return self.suspend(actions),
+            Action::Suspend => {}
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    /// Gives the terminal back and stops, until the shell says `fg` or `bg`.
+    fn suspend(&mut self, actions: &Receiver) -> io::Result<ControlFlow<Option<i32>>> {
+        self.screen.give_back()?;
+        for stop in [true, false] {
+            // Before the stop the reader of keys must have seen that it may no longer read. What was
+            // pressed around the stop is dropped: a second Ctrl-Z must not stop it at once again.
+            let end = Instant::now() + 2 * READ;
+            while let Ok(action) =
+                actions.recv_timeout(end.saturating_duration_since(Instant::now()))
+            {
+                if let Action::Quit(signal) = action? {
+                    return Ok(ControlFlow::Break(signal));
+                }
+            }
+            if stop {
+                system::suspend()?;
+            }
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    /// Makes the picture fit the terminal. True if its size has changed.
+    fn fit(&mut self) -> io::Result<bool> {
+        let size = self.screen.size()?;
+        let changed = size != self.size;
+        if changed {
+            (self.size, self.encoder.clear) = (size, true);
+            let scene = self.renderer.scene;
+            let camera = fit(self.options, &scene, self.screen.output, size);
+            if camera != self.renderer.camera {
+                self.renderer = Renderer::new(scene, camera, self.options.method);
+            }
+        }
+        Ok(changed)
     }
 
     fn draw(&mut self) -> io::Result<()> {
-        let scene = self.renderer.scene;
-        let camera = fit(self.options, &scene, self.encoder.output);
-        if camera != self.renderer.camera {
-            self.renderer = Renderer::new(scene, camera, self.options.method);
-            self.encoder.clear = true;
-        }
+        let camera = self.renderer.camera;
         self.renderer.method = self.options.method.choose(&camera, &self.clock);
         let [a, b] = self.clock.angles();
         self.renderer.render_frame(a, b);
-        let framebuffer = &mut self.renderer.framebuffer;
         if self.flat {
-            let donut = framebuffer.iter_mut().filter(|cell| **cell != b' ');
-            donut.for_each(|cell| *cell = RAMP[0]);
+            self.flatten();
         }
         self.out.clear();
-        self.encoder.encode(framebuffer, camera.width, &mut self.out);
-        self.stdout.write_all(&self.out)?;
-        Ok(())
+        self.encoder.encode(&self.renderer.framebuffer, camera.width, &mut self.out);
+        self.screen.write(&self.out)
     }
 
-    /// Waits until the next frame is due and obeys meanwhile. False is the end.
-    fn wait(&mut self, due: &mut Instant, told: &Receiver<Order>) -> io::Result<bool> {
-        let mut paused = false;
-        loop {
-            let left = due.saturating_duration_since(Instant::now());
-            match told.recv_timeout(if paused { Duration::MAX } else { left }) {
-                Err(RecvTimeoutError::Timeout) => return Ok(true),
-                Err(RecvTimeoutError::Disconnected) | Ok(Order::Quit) => return Ok(false),
-                Ok(Order::Pause) => {
-                    (paused, *due) = (!paused, Instant::now());
-                    continue;
-                }
-                Ok(Order::Shade) => self.flat = !self.flat,
-                Ok(Order::Redraw) => self.encoder.clear = true,
-                Ok(Order::Suspend) => {
-                    self.screen.map_or(Ok(()), Screen::suspend)?;
-                    self.encoder.clear = true;
-                }
-            }
-            self.draw()?;
-        }
-    }
-}
-
-impl Drop for Animation<'_> {
-    fn drop(&mut self) {
-        // A panic gave the terminal back already, to be read on it.
-        if let Some(screen) = self.screen.filter(|_| !thread::panicking()) {
-            screen.leave();
-        }
+    fn flatten(&mut self) {
+        let donut = self.renderer.framebuffer.iter_mut().filter(|cell| **cell != b' ');
+        donut.for_each(|cell| *cell = RAMP[0]);
     }
 }
 

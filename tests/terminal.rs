@@ -163,6 +163,27 @@ fn an_arrow_key_that_comes_in_pieces_is_no_escape() {
 }
 
 #[test]
+fn keys_in_one_paste_are_all_obeyed() {
+    for keys in [&b"qx"[..], b"xq", b"  q", b"ppq"] {
+        let mut pty = still_donut((80, 24));
+        pty.type_bytes(keys);
+        assert_eq!(pty.exit(), 0, "{keys:?}");
+    }
+}
+
+#[test]
+fn an_escape_before_a_resize_or_another_key_is_not_lost() {
+    let mut pty = still_donut((80, 24));
+    pty.type_bytes(b"\x1b");
+    pty.resize((100, 30));
+    assert_eq!(pty.exit(), 0);
+    let mut pty = still_donut((80, 24));
+    pty.type_bytes(b"\x1b");
+    sleep(Duration::from_millis(1));
+    assert_quits(&mut pty);
+}
+
+#[test]
 fn a_storm_of_resizes_ends_with_the_picture_of_the_last_size() {
     let mut pty = still_donut((80, 24));
     for size in
@@ -186,11 +207,19 @@ fn sizes_of_one_and_nothing_are_survived() {
         assert!(pty.lines().iter().all(String::is_empty));
         assert_quits(&mut pty);
     }
-    // A terminal that does not know its size is taken for 80x24.
-    let pty = donut(&STILL, (0, 0));
-    pty.wait_for("a frame", |pty| frames(pty) > 0);
-    pty.resize((80, 24));
-    pty.wait_for("80x24", |pty| pty.lines() == picture((80, 24), (80, 24)));
+}
+
+#[test]
+fn a_terminal_that_does_not_know_its_size_is_taken_for_80x24() {
+    for size in [(0, 0), (80, 0), (0, 24)] {
+        let pty = donut(&STILL, size);
+        pty.wait_for("a frame", |pty| frames(pty) > 0);
+        // Of a row of 80 columns the first is empty.
+        let frame = pty.written().split("\x1b[?2026h").nth(1).unwrap().replace("\x1b[2J\x1b[H", "");
+        let frame = frame.split("\x1b[?2026l").next().unwrap();
+        let rows: Vec<_> = frame.split("\r\n").skip(1).map(str::len).collect();
+        assert_eq!(rows, [79; 22].map(|_| 79), "{size:?}");
+    }
 }
 
 #[test]
@@ -216,58 +245,287 @@ fn signals_end_it_and_restore() {
     }
 }
 
+/// Types a line into a shell.
+fn type_line(pty: &mut Pty, line: &str) {
+    pty.type_bytes(format!("{line}\n").as_bytes());
+}
+
+/// A shell with a still donut that is on the screen.
+#[track_caller]
+fn donut_in_a_shell(shell: &str) -> Pty {
+    let mut pty = Pty::shell(shell, (80, 24));
+    type_line(&mut pty, &format!("{DONUT} {}", STILL.join(" ")));
+    pty.wait_for("the picture", |pty| pty.lines() == picture((80, 24), (80, 24)));
+    pty
+}
+
+/// Waits until the job is stopped and the shell has the screen that it had before.
+#[track_caller]
+fn wait_for_the_stop(pty: &Pty) {
+    pty.wait_for("the stop", Pty::is_stopped);
+    pty.wait_for("the shell's screen", |pty| {
+        pty.screen(|screen| !screen.alternate_screen() && !screen.hide_cursor())
+    });
+}
+
+/// Waits for the end of the job, and has the shell say its exit code.
+#[track_caller]
+fn assert_code(pty: &mut Pty, code: u32) {
+    pty.wait_for("its end", |pty| pty.job().is_none());
+    type_line(pty, "echo code=$?");
+    let said = format!("code={code}");
+    pty.wait_for(&said, |pty| pty.lines().contains(&said));
+}
+
 #[test]
 fn ctrl_z_and_sigtstp_give_the_terminal_back_and_fg_redraws() {
-    for stop in [|pty: &mut Pty| pty.type_bytes(b"\x1a"), |pty: &mut Pty| pty.signal("TSTP")] {
-        let mut pty = still_donut((80, 24));
+    let stops = [|pty: &mut Pty| pty.type_bytes(b"\x1a"), |pty: &mut Pty| pty.signal_job("TSTP")];
+    for (shell, stop) in ["sh", "bash"].iter().flat_map(|shell| stops.map(|stop| (shell, stop))) {
+        let mut pty = donut_in_a_shell(shell);
         for _ in 0..2 {
             stop(&mut pty);
-            pty.wait_for("the stop", Pty::is_stopped);
-            pty.wait_for("the screen it found", |pty| {
-                pty.screen(|screen| !screen.alternate_screen() && !screen.hide_cursor())
-            });
-            pty.assert_restored();
+            wait_for_the_stop(&pty);
             pty.resize((90, 30));
-            pty.signal("CONT");
+            type_line(&mut pty, "fg");
             pty.wait_for("the picture", |pty| pty.lines() == picture((90, 30), (90, 30)));
             assert!(pty.screen(|screen| screen.alternate_screen() && screen.hide_cursor()));
         }
+        pty.type_bytes(b"q");
+        assert_code(&mut pty, 0);
+    }
+}
+
+#[test]
+fn ctrl_z_gives_back_the_settings_of_the_terminal() {
+    let mut pty = Pty::run("sh", &["-c", &format!("set -m; {DONUT}; exec cat")], (80, 24), "xterm");
+    pty.wait_for("a frame", |pty| frames(pty) > 0);
+    pty.type_bytes(b"\x1a");
+    pty.wait_for("the stop", |pty| pty.job().is_some_and(|(_, state)| state.starts_with('T')));
+    sleep(Duration::from_millis(100));
+    pty.assert_restored();
+    pty.signal_job("KILL");
+}
+
+#[test]
+fn ctrl_z_stops_the_whole_job() {
+    let mut pty = Pty::shell("bash", (80, 24));
+    type_line(&mut pty, &format!("sh -c '{DONUT}; true'"));
+    pty.wait_for("a frame", |pty| frames(pty) > 0);
+    pty.type_bytes(b"\x1a");
+    // The job that the shell knows is the other shell, and not the donut.
+    wait_for_the_stop(&pty);
+    let now = frames(&pty);
+    type_line(&mut pty, "fg");
+    pty.wait_for("more frames", |pty| frames(pty) > now);
+    pty.type_bytes(b"q");
+    assert_code(&mut pty, 0);
+}
+
+#[test]
+fn two_ctrl_z_at_once_are_one() {
+    let mut pty = donut_in_a_shell("bash");
+    pty.type_bytes(b"\x1a\x1a");
+    wait_for_the_stop(&pty);
+    let now = frames(&pty);
+    type_line(&mut pty, "fg");
+    pty.wait_for("many frames", |pty| frames(pty) > now + 20);
+    assert!(!pty.is_stopped());
+}
+
+#[test]
+fn where_nobody_can_say_fg_ctrl_z_and_sigtstp_change_nothing() {
+    let command = format!("{DONUT}; exit $?");
+    for (program, arguments) in [(DONUT, &[][..]), ("sh", &["-c", &command])] {
+        let mut pty = Pty::run(program, arguments, (80, 24), "xterm");
+        pty.wait_for("a frame", |pty| frames(pty) > 0);
+        pty.type_bytes(b"\x1a");
+        // The other shell would be stopped by a signal to the group.
+        let stop = |pty: &Pty| {
+            if program == DONUT {
+                pty.signal("TSTP")
+            }
+        };
+        stop(&pty);
+        sleep(Duration::from_millis(300));
+        let now = frames(&pty);
+        pty.wait_for("more frames", |pty| frames(pty) > now + 5);
+        assert!(pty.screen(|screen| screen.alternate_screen()));
         assert_quits(&mut pty);
+    }
+}
+
+#[test]
+fn a_stopped_donut_takes_the_terminal_again_whoever_stopped_it() {
+    let mut pty = donut_in_a_shell("bash");
+    pty.signal_job("STOP");
+    pty.wait_for("the stop", Pty::is_stopped);
+    let stopped = |pty: &Pty| pty.lines().iter().any(|line| line.contains("Stopped"));
+    pty.wait_for("the shell", stopped);
+    type_line(&mut pty, "fg");
+    pty.wait_for("the picture", |pty| pty.lines() == picture((80, 24), (80, 24)));
+    // In raw mode the key is not echoed, and need not wait for a newline.
+    pty.type_bytes(b"q");
+    assert_code(&mut pty, 0);
+    assert!(!pty.lines().iter().any(|line| line.starts_with('q')), "{:?}", pty.lines());
+}
+
+#[test]
+fn in_the_background_it_waits_for_the_foreground_and_draws_nothing() {
+    let mut pty = Pty::shell("bash", (80, 24));
+    type_line(&mut pty, &format!("{DONUT} {} &", STILL.join(" ")));
+    pty.wait_for("the job", |pty| pty.job().is_some());
+    sleep(Duration::from_millis(500));
+    assert!(!pty.is_stopped());
+    assert_eq!(frames(&pty), 0);
+    assert!(!pty.written().contains("\x1b[?1049h"));
+    type_line(&mut pty, "fg");
+    pty.wait_for("the picture", |pty| pty.lines() == picture((80, 24), (80, 24)));
+    pty.type_bytes(b"q");
+    assert_code(&mut pty, 0);
+}
+
+#[test]
+fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
+    type Step = fn(&mut Pty);
+    let ctrl_z: Step = |pty| {
+        pty.type_bytes(b"\x1a");
+        wait_for_the_stop(pty);
+    };
+    let stop: Step = |pty| {
+        pty.signal_job("STOP");
+        pty.wait_for("the stop", Pty::is_stopped);
+        pty.wait_for("the shell", |pty| pty.written().contains("Stopped"));
+    };
+    let bg: Step = |pty| {
+        type_line(pty, "bg");
+        pty.wait_for("the continuation", |pty| !pty.is_stopped());
+        sleep(Duration::from_millis(300));
+        assert!(!pty.is_stopped() && !pty.screen(|screen| screen.alternate_screen()));
+    };
+    let kill: Step = |pty| type_line(pty, "kill %1");
+    let hang_up: Step = |pty| type_line(pty, "kill -HUP %1");
+    let typed_ahead: Step = |pty| type_line(pty, "bg\nkill %1");
+    for steps in [
+        &[ctrl_z, kill][..],
+        &[ctrl_z, hang_up],
+        &[ctrl_z, bg, kill],
+        &[ctrl_z, typed_ahead],
+        &[stop, kill],
+        &[stop, bg, kill],
+    ] {
+        let mut pty = donut_in_a_shell("bash");
+        steps.iter().for_each(|step| step(&mut pty));
+        pty.wait_for("its end", |pty| pty.job().is_none());
+        // So the shell calls a job that ended with exit code 0.
+        type_line(&mut pty, "");
+        pty.wait_for("exit code 0", |pty| pty.written().contains("Done"));
+        assert!(pty.screen(|screen| !screen.alternate_screen() && !screen.hide_cursor()));
+    }
+}
+
+#[test]
+fn where_the_background_may_not_write_it_is_not_stopped_by_it() {
+    let mut pty = Pty::shell("bash", (80, 24));
+    type_line(&mut pty, "stty tostop");
+    type_line(&mut pty, DONUT);
+    pty.wait_for("a frame", |pty| frames(pty) > 0);
+    pty.signal_job("STOP");
+    pty.wait_for("the shell", |pty| pty.written().contains("Stopped"));
+    type_line(&mut pty, "bg");
+    sleep(Duration::from_millis(500));
+    assert!(!pty.is_stopped());
+    type_line(&mut pty, "kill %1");
+    pty.wait_for("its end", |pty| pty.job().is_none());
+}
+
+#[test]
+fn it_ends_when_the_terminal_goes_also_without_sighup() {
+    // A shell that ignores SIGHUP, or that is not told of it, passes none on.
+    let quiet = |options| format!("trap '' HUP; {DONUT} {options}; exit $?");
+    for (command, key) in [
+        (format!("exec {DONUT} --fps=5"), &b"x"[..]),
+        (format!("exec {DONUT} --fps=0.01"), b"x"),
+        (format!("exec {DONUT}"), b"p"),
+        (quiet("--fps=5"), b"x"),
+        (quiet("--fps=0.01"), b"x"),
+        (quiet(""), b"p"),
+        (quiet("--fps=0.01 < /dev/null"), b""),
+    ] {
+        let mut pty = Pty::run_unread("sh", &["-c", &command], (80, 24), "xterm");
+        sleep(Duration::from_millis(500));
+        pty.type_bytes(key);
+        sleep(Duration::from_millis(300));
+        pty.hang_up();
+        assert_eq!(pty.exit(), 1, "{command}");
+    }
+}
+
+#[test]
+fn a_terminal_that_does_not_read_is_given_back_all_the_same() {
+    for stop in [|pty: &mut Pty| pty.type_bytes(b"q"), |pty: &mut Pty| pty.signal("TERM")] {
+        let mut pty = Pty::run_unread(DONUT, &["--fps=0", "--color=red"], (80, 24), "xterm");
+        sleep(Duration::from_secs(1));
+        let start = Instant::now();
+        stop(&mut pty);
+        assert_eq!(pty.exit(), 1);
+        // It waits for 0.7 s; a machine under load may take longer.
+        assert!(start.elapsed() < Duration::from_secs(3), "{:?}", start.elapsed());
+        pty.read(1 << 16, Duration::ZERO);
+        let message = "\x1b[?1049ldonut: the terminal does not read\r\n";
+        pty.wait_for("the message", |pty| pty.written().ends_with(message));
         pty.assert_restored();
     }
 }
 
 #[test]
-fn ctrl_z_stops_the_whole_job() {
-    let command = format!("{DONUT}; true");
-    let mut pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
+fn a_terminal_that_reads_slowly_sees_the_end() {
+    // 50 kB a second, where a frame is 10 kB.
+    let mut pty = Pty::run_unread(DONUT, &["--fps=0"], (200, 50), "xterm");
+    pty.read(500, Duration::from_millis(10));
     pty.wait_for("a frame", |pty| frames(pty) > 0);
-    pty.type_bytes(b"\x1a");
-    pty.wait_for("the shell's stop", Pty::is_stopped);
-    pty.signal("CONT");
-    let now = frames(&pty);
-    pty.wait_for("more frames", |pty| frames(pty) > now);
+    for columns in 180..200 {
+        pty.type_bytes(&b" ".repeat(20));
+        pty.resize((columns, 50));
+        sleep(Duration::from_millis(10));
+    }
+    pty.type_bytes(b"q");
+    assert_eq!(pty.exit(), 0);
+    pty.wait_for("the end", |pty| pty.written().ends_with("\x1b[?1049l"));
+    pty.assert_restored();
+}
+
+#[test]
+fn sigquit_restores_and_ends_it_as_sigquit_does() {
+    let mut pty = Pty::shell("bash", (80, 24));
+    type_line(&mut pty, &format!("ulimit -c 0; {DONUT} < /dev/null"));
+    pty.wait_for("a frame", |pty| frames(pty) > 0);
+    // Where keys are not read, this is a signal.
+    pty.type_bytes(b"\x1c");
+    assert_code(&mut pty, 128 + 3);
+    let mut pty = donut(&[], (80, 24));
+    pty.wait_for("a frame", |pty| frames(pty) > 0);
+    pty.signal("QUIT");
+    pty.exit();
+    pty.assert_restored();
+}
+
+#[test]
+fn the_size_is_that_of_the_terminal_it_draws_on() {
+    let shown = Pty::run("sleep", &["100"], (60, 20), "xterm");
+    let command = format!("exec {DONUT} {} > {}", STILL.join(" "), shown.path());
+    let mut pty = Pty::run("sh", &["-c", &command], (100, 30), "xterm");
+    shown.wait_for("the picture", |shown| shown.lines() == picture((60, 20), (60, 20)));
     assert_quits(&mut pty);
+    shown.assert_restored();
 }
 
 #[test]
-fn it_ends_when_the_terminal_goes() {
-    for fps in ["--fps=5", "--fps=0.01"] {
-        let mut pty = Pty::run_unread(DONUT, &[fps], (80, 24), "xterm");
-        sleep(Duration::from_millis(300));
-        pty.hang_up();
-        pty.exit();
-    }
-}
-
-#[test]
-fn it_ends_when_the_terminal_does_not_read() {
-    for stop in [|pty: &mut Pty| pty.type_bytes(b"q"), |pty: &mut Pty| pty.signal("TERM")] {
-        let mut pty = Pty::run_unread(DONUT, &["--fps=0"], (80, 24), "xterm");
-        sleep(Duration::from_secs(1));
-        stop(&mut pty);
-        pty.exit();
-    }
+fn when_keys_cannot_be_read_it_says_so() {
+    let command = format!("ulimit -n 6; exec {DONUT}");
+    let mut pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
+    assert_eq!(pty.exit(), 1);
+    assert!(pty.lines().iter().any(|line| line.starts_with("donut: ")), "{:?}", pty.lines());
+    pty.assert_restored();
 }
 
 #[test]
@@ -301,6 +559,15 @@ fn a_dumb_terminal_gets_one_still_frame_without_an_escape() {
     assert_eq!(pty.exit(), 0);
     assert!(!pty.written().contains('\x1b'));
     assert_eq!(pty.lines(), picture((80, 24), (80, 24)));
+}
+
+#[test]
+fn no_frames_are_no_bytes_on_any_terminal() {
+    for term in ["dumb", "xterm"] {
+        let mut pty = Pty::run(DONUT, &["--frames=0"], (80, 24), term);
+        assert_eq!(pty.exit(), 0);
+        assert_eq!(pty.written(), "");
+    }
 }
 
 #[test]

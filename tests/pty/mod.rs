@@ -39,19 +39,33 @@ impl Pty {
     /// Runs a program on a terminal of so many columns and rows.
     pub fn run(program: &str, arguments: &[&str], size: (u16, u16), term: &str) -> Pty {
         let pty = Pty::run_unread(program, arguments, size, term);
-        let (seen, mut reader) = (pty.seen.clone(), pty.master().try_clone_reader().unwrap());
+        pty.read(1 << 16, Duration::ZERO);
+        pty
+    }
+
+    /// Begins to read what the program writes, so many bytes and then a pause at a time.
+    pub fn read(&self, bytes: usize, pause: Duration) {
+        let (seen, mut reader) = (self.seen.clone(), self.master().try_clone_reader().unwrap());
         thread::spawn(move || {
-            let mut buffer = [0; 65536];
+            let mut buffer = vec![0; bytes];
             while let Ok(1..) = reader.read(&mut buffer).inspect(|&count| {
                 let mut seen = seen.lock().unwrap();
                 seen.terminal.process(&buffer[..count]);
                 seen.bytes.extend_from_slice(&buffer[..count]);
-            }) {}
+            }) {
+                thread::sleep(pause);
+            }
         });
+    }
+
+    /// Runs an interactive shell, which has job control.
+    pub fn shell(shell: &str, size: (u16, u16)) -> Pty {
+        let pty = Pty::run(shell, &["-i"], size, "xterm-256color");
+        pty.wait_for("a prompt", |pty| !pty.written().is_empty());
         pty
     }
 
-    /// The same on a terminal that never reads what the program writes.
+    /// The same as `run` on a terminal that does not read what the program writes.
     pub fn run_unread(program: &str, arguments: &[&str], size: (u16, u16), term: &str) -> Pty {
         let pair = native_pty_system().openpty(pty_size(size)).unwrap();
         let settings = format!("{:?}", pair.master.get_termios().unwrap());
@@ -108,10 +122,33 @@ impl Pty {
         assert!(kill.args(["-s", name, "--", &group]).status().unwrap().success());
     }
 
+    /// Process and state of what the program runs, when it runs one: T is stopped.
+    pub fn job(&self) -> Option<(String, String)> {
+        let parent = self.child.process_id().unwrap().to_string();
+        let columns = ["-A", "-o", "ppid=", "-o", "pid=", "-o", "state="];
+        let processes = Command::new("ps").args(columns).output().unwrap();
+        let processes = String::from_utf8(processes.stdout).unwrap();
+        processes.lines().find_map(|line| {
+            let mut words = line.split_whitespace().map(str::to_string);
+            let (ppid, pid, state) = (words.next()?, words.next()?, words.next()?);
+            (ppid == parent && !state.starts_with('Z')).then_some((pid, state))
+        })
+    }
+
+    /// Whether what the program runs is stopped.
     pub fn is_stopped(&self) -> bool {
-        let process = self.child.process_id().unwrap().to_string();
-        let state = Command::new("ps").args(["-o", "state=", "-p", &process]).output().unwrap();
-        state.stdout.starts_with(b"T")
+        self.job().is_some_and(|(_, state)| state.starts_with('T'))
+    }
+
+    /// Sends a signal to what the program runs, and to nothing else.
+    pub fn signal_job(&self, name: &str) {
+        let (process, _) = self.job().expect("a job");
+        assert!(Command::new("kill").args(["-s", name, &process]).status().unwrap().success());
+    }
+
+    /// The terminal's path.
+    pub fn path(&self) -> String {
+        self.master().tty_name().unwrap().to_str().unwrap().to_string()
     }
 
     /// What `look` finds on the screen.
@@ -171,6 +208,7 @@ impl Pty {
         let (hidden, alternate) = self.screen(|s| (s.hide_cursor(), s.alternate_screen()));
         assert!(!hidden, "the cursor is hidden");
         assert!(!alternate, "the alternate screen is still there");
+        assert_eq!(self.screen(Screen::fgcolor), vt100::Color::Default);
         let written = self.written();
         assert!(written.rfind("\x1b[?2026h") < written.rfind("\x1b[?2026l"), "an update is open");
         assert_eq!(format!("{:?}", self.master().get_termios().unwrap()), self.settings);

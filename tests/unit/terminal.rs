@@ -9,10 +9,11 @@ use pty::Pty;
 #[test]
 #[ignore = "panics on purpose, on the terminal of the test below"]
 fn a_donut_that_falls() {
-    let (tell, _told) = channel();
+    let (sender, _actions) = mpsc::channel();
     let options = Options::parse_from(["donut"]);
     let mut animation = Animation::new(&options, Scene::DONUT_C, Output::Terminal).unwrap();
-    animation.screen = Some(Screen::open(true, &tell).unwrap());
+    animation.screen.watch(&sender).unwrap();
+    animation.screen.take().unwrap();
     animation.draw().unwrap();
     panic!("the donut fell");
 }
@@ -26,4 +27,14 @@ fn a_panic_restores_the_terminal_and_can_be_read() {
     pty.assert_restored();
     assert_eq!(pty.written().matches("\x1b[?1049l").count(), 1);
     assert!(pty.lines().contains(&"the donut fell".to_string()), "{:?}", pty.lines());
+}
+
+#[test]
+fn only_a_press_of_a_key_is_an_action() {
+    use crossterm::event::{KeyEvent, KeyEventKind};
+    let event =
+        |kind| Event::Key(KeyEvent::new_with_kind(KeyCode::Char('q'), KeyModifiers::NONE, kind));
+    assert_eq!(Action::of(&event(KeyEventKind::Press)), Some(Action::Quit(None)));
+    assert_eq!(Action::of(&event(KeyEventKind::Release)), None);
+    assert_eq!(Action::of(&Event::Resize(80, 24)), Some(Action::Redraw));
 }
