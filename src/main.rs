@@ -846,14 +846,12 @@ impl Screen {
             let mut signals = Signals::new([SIGTSTP, SIGCONT, SIGQUIT])?;
             thread::spawn(move || {
                 for signal in signals.forever() {
-                    screen.send(
-                        &sender,
-                        match signal {
-                            SIGTSTP => Action::Suspend,
-                            SIGCONT => Action::Resume,
-                            _ => Action::Quit(Some(signal)),
-                        },
-                    );
+                    let action = match signal {
+                        SIGTSTP => Action::Suspend,
+                        SIGCONT => Action::Resume,
+                        _ => Action::Quit(Some(signal)),
+                    };
+                    screen.send(&sender, action);
                 }
             });
         }
@@ -1161,7 +1159,7 @@ fn run(options: &Options, scene: Scene) -> io::Result<()> {
     let mut animation = Animation::new(options, scene, output)?;
     let (sender, actions) = mpsc::channel();
     match output {
-        Output::Pipe => animation.play(&actions).map(|_| ()),
+        Output::Pipe => animation.play(&actions).map(drop),
         Output::DumbTerminal => animation.draw(),
         Output::Terminal => {
             let screen = animation.screen.clone();
@@ -1176,6 +1174,12 @@ fn run(options: &Options, scene: Scene) -> io::Result<()> {
             signal.map_or(Ok(()), system::end_by)
         }
     }
+}
+
+/// The time from one frame to the next. At 0 frames a second every frame is due at once.
+fn interval(fps: f64) -> Duration {
+    // 31 years are as good as any longer time.
+    Duration::from_secs_f64(if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 })
 }
 
 /// The camera for the size of the options, clipped to the terminal.
@@ -1209,10 +1213,7 @@ impl Animation<'_> {
 
     /// Draws frames as they come due, and obeys in between. Returns the signal that ended it, if any.
     fn play(&mut self, actions: &Receiver) -> io::Result<Option<i32>> {
-        // At 0 every frame is due at once; 31 years are as good as any longer time.
-        let fps = self.options.fps;
-        let seconds = if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 };
-        let interval = Duration::from_secs_f64(seconds);
+        let interval = interval(self.options.fps);
         let (mut frames, mut wait) = (0, Duration::ZERO);
         while frames < self.options.frames.unwrap_or(u64::MAX) {
             // All that waits is obeyed before the next drawing.

@@ -303,6 +303,19 @@ fn a_full_disk_is_one_message_and_exit_code_1() {
 
 #[cfg(unix)]
 #[test]
+fn on_a_pipe_a_signal_ends_it_by_default() {
+    use std::os::unix::process::ExitStatusExt;
+    for (name, number) in [("HUP", 1), ("INT", 2), ("TERM", 15)] {
+        let mut child = donut(&[]).stdout(Stdio::piped()).spawn().unwrap();
+        child.stdout.as_mut().unwrap().read_exact(&mut [0; 1000]).unwrap();
+        let mut kill = Command::new("kill");
+        assert!(kill.args(["-s", name, &child.id().to_string()]).status().unwrap().success());
+        assert_eq!(child.wait().unwrap().signal(), Some(number));
+    }
+}
+
+#[cfg(unix)]
+#[test]
 fn every_frame_is_one_write() {
     use std::os::{fd::OwnedFd, unix::net::UnixDatagram};
     let (reader, writer) = UnixDatagram::pair().unwrap();

@@ -94,7 +94,7 @@ fn every_frame_is_a_synchronized_update() {
 #[test]
 fn q_escape_and_ctrl_c_quit_at_once_and_restore() {
     for key in [&b"q"[..], b"\x1b", b"\x03"] {
-        for fps in ["--fps=30", "--fps=0.01", "--fps=0"] {
+        for fps in ["--fps=30", "--fps=1e-300", "--fps=0"] {
             let mut pty = donut(&[fps], (80, 24));
             pty.wait_for("a frame", |pty| frames(pty) > 0);
             pty.type_bytes(key);
@@ -405,15 +405,26 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
     let kill: Step = |pty| type_line(pty, "kill %1");
     let hang_up: Step = |pty| type_line(pty, "kill -HUP %1");
     let typed_ahead: Step = |pty| type_line(pty, "bg\nkill %1");
+    let start: Step = |pty| {
+        type_line(pty, &format!("{DONUT} {}", STILL.join(" ")));
+        pty.wait_for("the picture", |pty| pty.lines() == picture((80, 24), (80, 24)));
+    };
+    let start_behind: Step = |pty| {
+        type_line(pty, &format!("{DONUT} &"));
+        pty.wait_for("the job", |pty| pty.job().is_some());
+        sleep(Duration::from_millis(300));
+    };
     for steps in [
-        &[ctrl_z, kill][..],
-        &[ctrl_z, hang_up],
-        &[ctrl_z, bg, kill],
-        &[ctrl_z, typed_ahead],
-        &[stop, kill],
-        &[stop, bg, kill],
+        &[start, ctrl_z, kill][..],
+        &[start, ctrl_z, hang_up],
+        &[start, ctrl_z, bg, kill],
+        &[start, ctrl_z, typed_ahead],
+        &[start, stop, kill],
+        &[start, stop, bg, kill],
+        &[start_behind, kill],
+        &[start_behind, hang_up],
     ] {
-        let mut pty = donut_in_a_shell("bash");
+        let mut pty = Pty::shell("bash", (80, 24));
         steps.iter().for_each(|step| step(&mut pty));
         pty.wait_for("its end", |pty| pty.job().is_none());
         // So the shell calls a job that ended with exit code 0.
@@ -421,6 +432,21 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
         pty.wait_for("exit code 0", |pty| pty.written().contains("Done"));
         assert!(pty.screen(|screen| !screen.alternate_screen() && !screen.hide_cursor()));
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn timeout_ends_it_in_the_foreground_and_in_the_background() {
+    let mut pty = Pty::shell("bash", (80, 24));
+    type_line(&mut pty, &format!("timeout 1 {DONUT}"));
+    pty.wait_for("a frame", |pty| frames(pty) > 0);
+    assert_code(&mut pty, 124);
+    // Without job control timeout puts it into the background of its own terminal.
+    let command = format!("timeout 1 {DONUT}; exit $?");
+    let mut pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
+    assert_eq!(pty.exit(), 124);
+    assert_eq!(pty.written(), "");
+    pty.assert_settings_restored();
 }
 
 #[test]

@@ -58,9 +58,10 @@ impl Pty {
         });
     }
 
-    /// Runs an interactive shell, which has job control.
+    /// Runs an interactive shell, `sh` or `bash`, which has job control.
     pub fn shell(shell: &str, size: (u16, u16)) -> Pty {
-        let pty = Pty::run(shell, &["-i"], size, "xterm-256color");
+        let options = if shell == "bash" { &["--norc", "-i"][..] } else { &["-i"] };
+        let pty = Pty::run(shell, options, size, "xterm-256color");
         pty.wait_for("a prompt", |pty| !pty.written().is_empty());
         pty
     }
@@ -71,7 +72,10 @@ impl Pty {
         let settings = format!("{:?}", pair.master.get_termios().unwrap());
         let mut command = CommandBuilder::new(program);
         command.args(arguments);
-        command.env("TERM", term);
+        // The last two are for shells: English messages, and no history file.
+        for (name, value) in [("TERM", term), ("LC_ALL", "C"), ("HISTFILE", "")] {
+            command.env(name, value);
+        }
         let child = pair.slave.spawn_command(command).unwrap();
         let keys = pair.master.take_writer().unwrap();
         let (rows, columns) = rows_and_columns(size);
@@ -211,6 +215,11 @@ impl Pty {
         assert_eq!(self.screen(Screen::fgcolor), vt100::Color::Default);
         let written = self.written();
         assert!(written.rfind("\x1b[?2026h") < written.rfind("\x1b[?2026l"), "an update is open");
+        self.assert_settings_restored();
+    }
+
+    #[track_caller]
+    pub fn assert_settings_restored(&self) {
         assert_eq!(format!("{:?}", self.master().get_termios().unwrap()), self.settings);
     }
 }
