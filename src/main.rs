@@ -56,7 +56,7 @@ use std::{env, panic, thread};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
 use crossterm::cursor::{Hide, Show};
-use crossterm::event::{self, Event, KeyCode, KeyModifiers};
+use crossterm::event::{self, Event, KeyCode, KeyEvent, KeyModifiers};
 use crossterm::queue;
 use crossterm::style::{self, Color, ResetColor, SetForegroundColor};
 use crossterm::terminal::{
@@ -754,10 +754,7 @@ type Sender = mpsc::Sender<io::Result<Action>>;
 type Receiver = mpsc::Receiver<io::Result<Action>>;
 
 impl Action {
-    fn of(event: &Event) -> Option<Action> {
-        let Event::Key(key) = event else {
-            return event.as_resize_event().map(|_| Action::Redraw);
-        };
+    fn of(key: KeyEvent) -> Option<Action> {
         match (key.code, key.modifiers) {
             _ if !key.is_press() => None,
             (KeyCode::Char('c'), KeyModifiers::CONTROL) => Some(Action::Quit(None)),
@@ -770,8 +767,10 @@ impl Action {
     }
 }
 
-/// How long the reader of keys waits for one before it looks whether it may go on reading.
-const READ: Duration = Duration::from_millis(40);
+/// How long the code of a key may pause behind its Esc.
+const ESCAPE: Duration = Duration::from_millis(20);
+/// In this time the other threads have surely seen that the terminal was given back.
+const SETTLE: Duration = Duration::from_millis(50);
 /// How long the loop waits at most before it looks whether the terminal is still there.
 const LOOK: Duration = Duration::from_millis(500);
 /// Bytes that are written to a terminal at once: a picture of 80x22 is one piece.
@@ -859,26 +858,24 @@ impl Screen {
     }
 
     fn read_keys(&self, sender: &Sender) -> io::Result<Infallible> {
-        let escape = Event::Key(KeyCode::Esc.into());
         loop {
             // To read in the background stops the program, with all its threads.
             while !self.taken.load(SeqCst) {
-                thread::sleep(READ);
+                thread::sleep(SETTLE);
             }
-            while event::poll(READ)? {
-                let mut event = event::read()?;
+            // A new size ends this, also the one that is made up when the terminal is given back.
+            while let Event::Key(mut key) = event::read()? {
                 // Behind an Esc that was pressed comes no key at once; behind one that begins the code of
                 // some other key, and came first over a slow line, comes the rest.
-                while cfg!(unix) && event == escape && event::poll(Duration::from_millis(20))? {
-                    match event::read()? {
-                        Event::Key(key) => event = Event::Key(key),
-                        _ => break,
-                    }
+                while cfg!(unix) && key == KeyCode::Esc.into() && event::poll(ESCAPE)? {
+                    let Event::Key(next) = event::read()? else { break };
+                    key = next;
                 }
-                if let Some(action) = Action::of(&event) {
+                if let Some(action) = Action::of(key) {
                     self.send(sender, action);
                 }
             }
+            self.send(sender, Action::Redraw);
         }
     }
 
@@ -945,6 +942,7 @@ impl Screen {
         if !self.taken.swap(false, SeqCst) {
             return Ok(());
         }
+        system::wake_reader();
         let in_front = self.is_in_front()?;
         let mut bytes = Vec::new();
         queue!(bytes, EndSynchronizedUpdate, ResetColor, Show)?;
@@ -1028,6 +1026,11 @@ mod system {
         Ok(kill_current_process_group(Signal::STOP)?)
     }
 
+    /// Has the reader of keys look up from them: crossterm reports a new size.
+    pub fn wake_reader() {
+        let _ = signal_hook::low_level::raise(signal_hook::consts::SIGWINCH);
+    }
+
     /// Drops what is written but not read, also where Ctrl-S holds it, and wakes a write that waits.
     pub fn drop_unread_output() -> io::Result<()> {
         tcflush(io::stdout(), QueueSelector::OFlush)?;
@@ -1069,6 +1072,8 @@ mod system {
     pub fn suspend() -> io::Result<()> {
         Ok(())
     }
+
+    pub fn wake_reader() {}
 
     pub fn drop_unread_output() -> io::Result<()> {
         Ok(())
@@ -1272,7 +1277,7 @@ impl Animation<'_> {
         for stop in [true, false] {
             // Before the stop the reader of keys must have seen that it may no longer read. What was
             // pressed around the stop is dropped: a second Ctrl-Z must not stop it at once again.
-            let end = Instant::now() + 2 * READ;
+            let end = Instant::now() + SETTLE;
             while let Ok(action) =
                 actions.recv_timeout(end.saturating_duration_since(Instant::now()))
             {
