@@ -356,17 +356,21 @@ fn where_nobody_can_say_fg_ctrl_z_and_sigtstp_change_nothing() {
 
 #[test]
 fn a_stopped_donut_takes_the_terminal_again_whoever_stopped_it() {
-    let mut pty = donut_in_a_shell("bash");
-    pty.signal_job("STOP");
-    pty.wait_for("the stop", Pty::is_stopped);
-    let stopped = |pty: &Pty| pty.lines().iter().any(|line| line.contains("Stopped"));
-    pty.wait_for("the shell", stopped);
-    type_line(&mut pty, "fg");
-    pty.wait_for("the picture", |pty| pty.lines() == picture((80, 24), (80, 24)));
-    // In raw mode the key is not echoed, and need not wait for a newline.
-    pty.type_bytes(b"q");
-    assert_code(&mut pty, 0);
-    assert!(!pty.lines().iter().any(|line| line.starts_with('q')), "{:?}", pty.lines());
+    for lines in [&["fg"][..], &["bg", "fg"]] {
+        let mut pty = donut_in_a_shell("bash");
+        pty.signal_job("STOP");
+        pty.wait_for("the stop", Pty::is_stopped);
+        pty.wait_for("the shell", |pty| pty.written().contains("Stopped"));
+        for line in lines {
+            type_line(&mut pty, line);
+            sleep(Duration::from_millis(300));
+        }
+        pty.wait_for("the picture", |pty| pty.lines() == picture((80, 24), (80, 24)));
+        // In raw mode the key is not echoed, and need not wait for a newline.
+        pty.type_bytes(b"q");
+        assert_code(&mut pty, 0);
+        assert!(!pty.lines().iter().any(|line| line.starts_with('q')), "{:?}", pty.lines());
+    }
 }
 
 #[test]
@@ -489,7 +493,7 @@ fn it_ends_when_the_terminal_goes_also_without_sighup() {
 #[test]
 fn a_terminal_that_does_not_read_is_given_back_all_the_same() {
     for stop in [|pty: &mut Pty| pty.type_bytes(b"q"), |pty: &mut Pty| pty.signal("TERM")] {
-        let mut pty = Pty::run_unread(DONUT, &["--fps=0", "--color=red"], (80, 24), "xterm");
+        let mut pty = Pty::run_unread(DONUT, &["--fps=0", "--color=red"], (200, 50), "xterm");
         sleep(Duration::from_secs(1));
         let start = Instant::now();
         stop(&mut pty);
@@ -518,6 +522,25 @@ fn a_terminal_that_reads_slowly_sees_the_end() {
     assert_eq!(pty.exit(), 0);
     pty.wait_for("the end", |pty| pty.written().ends_with("\x1b[?1049l"));
     pty.assert_restored();
+}
+
+#[test]
+fn a_frame_that_takes_long_to_read_is_cut_short_at_the_end() {
+    // A frame of a megabyte takes most of a minute.
+    let mut pty = Pty::run_unread(DONUT, &["--color=red", "--frames=9"], (2000, 500), "xterm");
+    pty.read(200, Duration::from_millis(10));
+    sleep(Duration::from_secs(1));
+    pty.type_bytes(b"q");
+    assert_eq!(pty.exit(), 0);
+    pty.wait_for("the end", |pty| pty.written().ends_with("\x1b[?25h\r\n"));
+    pty.assert_restored();
+}
+
+#[test]
+fn a_frame_that_takes_long_to_draw_is_waited_for() {
+    let mut pty = donut(&["--method=classic", "--aspect=4", "--fps=0"], (4096, 1002));
+    pty.wait_for("a frame", |pty| frames(pty) > 0);
+    assert_quits(&mut pty);
 }
 
 #[test]

@@ -173,13 +173,13 @@ impl Pty {
         String::from_utf8(self.seen.lock().unwrap().bytes.clone()).unwrap()
     }
 
-    /// Waits up to ten seconds for something to come true.
+    /// Waits up to twenty seconds for something to come true.
     #[track_caller]
     pub fn wait_for(&self, what: &str, is_true: impl Fn(&Pty) -> bool) {
         let start = Instant::now();
         while !is_true(self) {
             let lines = self.lines().join("\n");
-            assert!(start.elapsed() < Duration::from_secs(10), "{what} never came true:\n{lines}");
+            assert!(start.elapsed() < Duration::from_secs(20), "{what} never came true:\n{lines}");
             thread::sleep(Duration::from_millis(5));
         }
     }
@@ -188,7 +188,7 @@ impl Pty {
         self.child.try_wait().unwrap().is_none()
     }
 
-    /// Waits up to five seconds for the program to end, and says how it did.
+    /// Waits up to twenty seconds for the program to end, and says how it did.
     #[track_caller]
     pub fn exit(&mut self) -> u32 {
         let start = Instant::now();
@@ -198,7 +198,7 @@ impl Pty {
                 thread::sleep(Duration::from_millis(100));
                 return status.exit_code();
             }
-            if start.elapsed() > Duration::from_secs(5) {
+            if start.elapsed() > Duration::from_secs(20) {
                 self.child.kill().unwrap();
                 panic!("it goes on");
             }
