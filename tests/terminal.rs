@@ -532,7 +532,7 @@ fn a_frame_that_takes_long_to_read_is_cut_short_at_the_end() {
     sleep(Duration::from_secs(1));
     pty.type_bytes(b"q");
     assert_eq!(pty.exit(), 0);
-    pty.wait_for("the end", |pty| pty.written().ends_with("\x1b[?25h\r\n"));
+    pty.wait_for("the end", |pty| pty.written().ends_with("\x1b[?25h\r\r\n"));
     pty.assert_restored();
 }
 
