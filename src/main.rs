@@ -958,19 +958,18 @@ impl Screen {
     }
 
     /// Writes a frame: at once on a pipe, and in pieces on a terminal. Once the program is about to
-    /// end, the pieces that are left are not worth waiting for.
-    fn write(&self, bytes: &[u8]) -> io::Result<()> {
-        let size = if self.output == Output::Terminal { PIECE } else { bytes.len() };
-        for (n, piece) in bytes.chunks(size).enumerate() {
-            if n > 0 && self.ending.load(SeqCst) {
-                break;
-            }
-            self.writes.fetch_add(1, SeqCst);
-            let written = (&self.stdout).write_all(piece);
-            self.writes.fetch_add(1, SeqCst);
-            written?;
-        }
-        Ok(())
+    /// end, what is left of it is not worth waiting for.
+    fn write_frame(&self, frame: &[u8]) -> io::Result<()> {
+        let size = if self.output == Output::Terminal { PIECE } else { frame.len() };
+        let mut pieces = frame.chunks(size).take_while(|_| !self.ending.load(SeqCst));
+        pieces.try_for_each(|piece| self.write(piece))
+    }
+
+    fn write(&self, piece: &[u8]) -> io::Result<()> {
+        self.writes.fetch_add(1, SeqCst);
+        let written = (&self.stdout).write_all(piece);
+        self.writes.fetch_add(1, SeqCst);
+        written
     }
 
     /// Columns and rows of the terminal; 80x24 for one that does not know, and for a pipe.
@@ -1317,7 +1316,7 @@ impl Animation<'_> {
         }
         self.out.clear();
         self.encoder.encode(&self.renderer.framebuffer, camera.width, &mut self.out);
-        self.screen.write(&self.out)
+        self.screen.write_frame(&self.out)
     }
 
     fn flatten(&mut self) {

@@ -14,8 +14,11 @@ fn a_donut_that_falls() {
     let mut animation = Animation::new(&options, Scene::DONUT_C, Output::Terminal).unwrap();
     animation.screen.watch(&sender).unwrap();
     animation.screen.take().unwrap();
-    animation.draw().unwrap();
-    panic!("the donut fell");
+    // Also of a thread that does not draw.
+    thread::spawn(|| panic!("the donut fell"));
+    loop {
+        animation.draw().unwrap();
+    }
 }
 
 #[test]
