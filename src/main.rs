@@ -746,6 +746,7 @@ enum Action {
     /// Stop, until the shell continues the program.
     Suspend,
     /// Go on after a stop.
+    #[cfg_attr(windows, allow(dead_code, reason = "Windows stops no programs"))]
     Resume,
     Redraw,
 }

@@ -305,8 +305,10 @@ fn a_full_disk_is_one_message_and_exit_code_1() {
 #[test]
 fn on_a_pipe_a_signal_ends_it_by_default() {
     use std::os::unix::process::ExitStatusExt;
-    for (name, number) in [("HUP", 1), ("INT", 2), ("TERM", 15)] {
-        let mut child = donut(&[]).stdout(Stdio::piped()).spawn().unwrap();
+    for (name, number) in [("HUP", 1), ("INT", 2), ("QUIT", 3), ("TERM", 15)] {
+        let command = format!("ulimit -c 0; exec {}", env!("CARGO_BIN_EXE_donut"));
+        let mut shell = Command::new("sh");
+        let mut child = shell.args(["-c", &command]).stdout(Stdio::piped()).spawn().unwrap();
         child.stdout.as_mut().unwrap().read_exact(&mut [0; 1000]).unwrap();
         let mut kill = Command::new("kill");
         assert!(kill.args(["-s", name, &child.id().to_string()]).status().unwrap().success());

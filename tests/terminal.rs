@@ -482,7 +482,7 @@ fn it_ends_when_the_terminal_goes_also_without_sighup() {
         (quiet("--fps=0.01 < /dev/null"), b""),
     ] {
         let mut pty = Pty::run_unread("sh", &["-c", &command], (80, 24), "xterm");
-        sleep(Duration::from_millis(500));
+        pty.read_until(|pty| frames(pty) > 0);
         pty.type_bytes(key);
         sleep(Duration::from_millis(300));
         pty.hang_up();
@@ -494,6 +494,7 @@ fn it_ends_when_the_terminal_goes_also_without_sighup() {
 fn a_terminal_that_does_not_read_is_given_back_all_the_same() {
     for stop in [|pty: &mut Pty| pty.type_bytes(b"q"), |pty: &mut Pty| pty.signal("TERM")] {
         let mut pty = Pty::run_unread(DONUT, &["--fps=0", "--color=red"], (200, 50), "xterm");
+        pty.read_until(|pty| frames(pty) > 0);
         sleep(Duration::from_secs(1));
         let start = Instant::now();
         stop(&mut pty);
@@ -511,7 +512,7 @@ fn a_terminal_that_does_not_read_is_given_back_all_the_same() {
 fn a_terminal_that_reads_slowly_sees_the_end() {
     // 50 kB a second, where a frame is 10 kB.
     let mut pty = Pty::run_unread(DONUT, &["--fps=0"], (200, 50), "xterm");
-    pty.read(500, Duration::from_millis(10));
+    pty.read(2000, Duration::from_millis(40));
     pty.wait_for("a frame", |pty| frames(pty) > 0);
     for columns in 180..200 {
         pty.type_bytes(&b" ".repeat(20));
@@ -528,8 +529,8 @@ fn a_terminal_that_reads_slowly_sees_the_end() {
 fn a_frame_that_takes_long_to_read_is_cut_short_at_the_end() {
     // A frame of a megabyte takes most of a minute.
     let mut pty = Pty::run_unread(DONUT, &["--color=red", "--frames=9"], (2000, 500), "xterm");
-    pty.read(200, Duration::from_millis(10));
-    sleep(Duration::from_secs(1));
+    pty.read_until(|pty| pty.written().contains("\x1b[38;5;9m"));
+    pty.read(1000, Duration::from_millis(50));
     pty.type_bytes(b"q");
     assert_eq!(pty.exit(), 0);
     pty.wait_for("the end", |pty| pty.written().ends_with("\x1b[?25h\r\r\n"));
@@ -551,7 +552,8 @@ fn sigquit_restores_and_ends_it_as_sigquit_does() {
     // Where keys are not read, this is a signal.
     pty.type_bytes(b"\x1c");
     assert_code(&mut pty, 128 + 3);
-    let mut pty = donut(&[], (80, 24));
+    let command = format!("ulimit -c 0; exec {DONUT}");
+    let mut pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
     pty.wait_for("a frame", |pty| frames(pty) > 0);
     pty.signal("QUIT");
     pty.exit();

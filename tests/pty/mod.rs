@@ -1,6 +1,6 @@
 //! A program on a pseudo-terminal, and the screen that a person would see.
 
-use std::io::{Read, Write};
+use std::io::{self, Read, Write};
 use std::num::NonZeroU16;
 use std::process::Command;
 use std::sync::{Arc, Mutex};
@@ -47,15 +47,27 @@ impl Pty {
     pub fn read(&self, bytes: usize, pause: Duration) {
         let (seen, mut reader) = (self.seen.clone(), self.master().try_clone_reader().unwrap());
         thread::spawn(move || {
-            let mut buffer = vec![0; bytes];
-            while let Ok(1..) = reader.read(&mut buffer).inspect(|&count| {
-                let mut seen = seen.lock().unwrap();
-                seen.terminal.process(&buffer[..count]);
-                seen.bytes.extend_from_slice(&buffer[..count]);
-            }) {
+            while let Ok(1..) = Pty::read_once(&seen, &mut reader, bytes) {
                 thread::sleep(pause);
             }
         });
+    }
+
+    /// Reads what the program writes until something comes true, and then no more.
+    pub fn read_until(&self, is_true: impl Fn(&Pty) -> bool) {
+        let mut reader = self.master().try_clone_reader().unwrap();
+        while !is_true(self) {
+            assert_ne!(Pty::read_once(&self.seen, &mut reader, 1000).unwrap(), 0);
+        }
+    }
+
+    fn read_once(seen: &Mutex<Seen>, reader: &mut dyn Read, bytes: usize) -> io::Result<usize> {
+        let mut buffer = vec![0; bytes];
+        let count = reader.read(&mut buffer)?;
+        let mut seen = seen.lock().unwrap();
+        seen.terminal.process(&buffer[..count]);
+        seen.bytes.extend_from_slice(&buffer[..count]);
+        Ok(count)
     }
 
     /// Runs an interactive shell, `sh` or `bash`, which has job control.
