@@ -232,7 +232,16 @@ impl Pty {
 
     #[track_caller]
     pub fn assert_settings_restored(&self) {
-        assert_eq!(format!("{:?}", self.master().get_termios().unwrap()), self.settings);
+        assert_eq!(self.settings_now(), self.settings);
+    }
+
+    /// Whether the program has changed the terminal's settings.
+    pub fn is_raw(&self) -> bool {
+        self.settings_now() != self.settings
+    }
+
+    fn settings_now(&self) -> String {
+        format!("{:?}", self.master().get_termios().unwrap())
     }
 }
 
