@@ -177,10 +177,16 @@ fn an_escape_before_a_resize_or_another_key_is_not_lost() {
     pty.type_bytes(b"\x1b");
     pty.resize((100, 30));
     assert_eq!(pty.exit(), 0);
-    let mut pty = still_donut((80, 24));
-    pty.type_bytes(b"\x1b");
-    sleep(Duration::from_millis(1));
-    assert_quits(&mut pty);
+    let quits = || {
+        let mut pty = still_donut((80, 24));
+        pty.type_bytes(b"\x1b");
+        sleep(Duration::from_millis(5));
+        pty.type_bytes(b"q");
+        sleep(Duration::from_millis(500));
+        !pty.is_running()
+    };
+    // On a machine under load both may be read at once, which is Alt-q.
+    assert!((0..5).any(|_| quits()));
 }
 
 #[test]
