@@ -180,8 +180,9 @@ const SIZES: RangeInclusive<u16> = 1..=4096;
 const ANGLES: RangeInclusive<f64> = -1e9..=1e9;
 /// Of R1, R2 and K2, in any unit.
 const LENGTHS: RangeInclusive<f64> = 1e-6..=1e6;
-/// How many times R1 the radius R2 may be.
-const MOST_R2: f64 = 1000.0;
+/// How many times R1 the radius R2 may be. With less, the hole is too small for its edge to be told
+/// from its middle in f64.
+const RING: RangeInclusive<f64> = 1.000_001..=1000.0;
 
 /// Makes a parser of numbers within `range`. The parser's error is what it expected.
 fn within<T>(range: RangeInclusive<T>) -> impl Fn(&str) -> Result<T, String> + Clone
@@ -220,21 +221,21 @@ fn color(text: &str) -> Result<Color, String> {
 }
 
 impl Options {
-    fn scene(&self) -> Scene {
-        Scene { r2: self.r2 / self.r1, k2: self.k2 / self.r1 }
+    /// R2 and K2, in units of R1.
+    fn scene(&self) -> (f64, f64) {
+        (self.r2 / self.r1, self.k2 / self.r1)
     }
 
     /// Why the options do not fit together, if so. It tells the values of all that are concerned, for
     /// any of them may be the wrong one.
     fn refusal(&self) -> Option<String> {
         let (Options { r1, r2, k2, .. }, scene) = (self, self.scene());
-        let refusal = if scene.r2 <= 1.0 {
-            format!("--r2 is {r2}: it must be more than --r1, which is {r1}")
-        } else if scene.r2 > MOST_R2 {
-            format!("--r2 is {r2}: it must be at most {MOST_R2} times --r1, which is {r1}")
-        } else if scene.k2 <= scene.sphere() {
+        let refusal = if !RING.contains(&scene.0) {
+            let (least, most) = (RING.start(), RING.end());
+            format!("--r2 is {r2}: it must be {least} to {most} times --r1, which is {r1}")
+        } else if scene.1 <= sphere(scene.0) {
             format!("--k2 is {k2}: it must be more than --r1 plus --r2, which is {r1} + {r2}")
-        } else if self.method == Method::Classic && scene != Scene::DONUT_C {
+        } else if self.method == Method::Classic && scene != (2.0, 5.0) {
             let others = "--method is classic: it must be exact or auto";
             format!("{others} where --r1, --r2, --k2 are {r1}, {r2}, {k2}, not 1, 2, 5")
         } else {
@@ -249,7 +250,7 @@ fn main() -> ExitCode {
     if let Some(refusal) = options.refusal() {
         Options::command().error(ErrorKind::ValueValidation, refusal).exit()
     }
-    match run(&options, options.scene()) {
+    match run(&options) {
         // A reader that goes away, as in `donut | head`, has seen enough.
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             // Nothing is left to do if standard error is gone as well.
@@ -260,405 +261,391 @@ fn main() -> ExitCode {
     }
 }
 
-// ---- Scene and camera ----------------------------------------------------------------------------
+// ---- View ----------------------------------------------------------------------------------------
 
-/// The donut and its viewer, in units of the tube's radius: R1 is 1.
+/// What there is to see, and where on the screen it is seen.
+///
+/// Lengths are in units of the tube's radius, so that R1 is 1. The point (X, Y, Z) is seen at
+/// `x = cx + k1x X / (Z + K2)`, `y = cy + k1y Y / (Z + K2)`. The cell in column c and row r is the
+/// square from (c, r) to (c + 1, r + 1). Column 0 and row 0 stay empty: donut.c prints a newline in
+/// place of column 0, and it never draws on row 0.
 #[derive(Clone, Copy, PartialEq)]
-struct Scene {
+struct View {
     /// Radius of the ring, from the donut's centre to the tube's.
     r2: f64,
     /// Distance from the viewer to the donut's centre.
     k2: f64,
-}
-
-impl Scene {
-    const DONUT_C: Scene = Scene { r2: 2.0, k2: 5.0 };
-
-    /// Radius of the sphere that no pose of the donut leaves.
-    fn sphere(&self) -> f64 {
-        1.0 + self.r2
-    }
-
-    /// Tangent under which the viewer sees that sphere's radius.
-    fn limb(&self) -> f64 {
-        self.sphere() / ((self.k2 - self.sphere()) * (self.k2 + self.sphere())).sqrt()
-    }
-}
-
-/// Where on the screen a point is seen: at `x = cx + k1x X / (Z + K2)`, `y = cy + k1y Y / (Z + K2)`.
-///
-/// In cells from the top left corner: cell (c, r) is the square [c, c+1) x [r, r+1). Column 0 and row
-/// 0 stay empty: donut.c's first column is its newline, and it never draws on its first row.
-#[derive(Clone, Copy, PartialEq)]
-struct Camera {
+    /// Columns and rows of the picture.
     width: usize,
     height: usize,
+    /// Where the donut's centre is seen, in cells.
     cx: f64,
     cy: f64,
+    /// The scale K1, in columns and in rows.
     k1x: f64,
     k1y: f64,
 }
 
-impl Camera {
-    const DONUT_C: Camera =
-        Camera { width: 80, height: 22, cx: 40.0, cy: 12.0, k1x: 30.0, k1y: 15.0 };
+impl View {
+    const DONUT_C: View =
+        View { r2: 2.0, k2: 5.0, width: 80, height: 22, cx: 40.0, cy: 12.0, k1x: 30.0, k1y: 15.0 };
 
-    /// donut.c's own camera for its size and scene, and otherwise the largest that cuts off no pose.
+    /// donut.c's own view for its size and lengths; otherwise the largest that cuts off no pose.
     /// `aspect` is the height of a cell over its width.
-    fn new(width: usize, height: usize, aspect: f64, scene: &Scene) -> Camera {
-        if (width, height, aspect) == (80, 22, 2.0) && *scene == Scene::DONUT_C {
-            return Camera::DONUT_C;
+    fn new(width: usize, height: usize, aspect: f64, r2: f64, k2: f64) -> View {
+        if (width, height, aspect, r2, k2) == (80, 22, 2.0, 2.0, 5.0) {
+            return View::DONUT_C;
         }
         let (w, h) = (width as f64, height as f64);
-        let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / scene.limb();
+        let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / limb(r2, k2);
         let (cx, cy) = ((w + 1.0) / 2.0, (h + 1.0) / 2.0);
-        Camera { width, height, cx, cy, k1x, k1y: k1x / aspect }
+        View { r2, k2, width, height, cx, cy, k1x, k1y: k1x / aspect }
     }
+}
+
+/// The donut never leaves the sphere of this radius round its centre.
+fn sphere(r2: f64) -> f64 {
+    1.0 + r2
+}
+
+/// The tangent of the angle from the donut's centre to the limb of that sphere, for the viewer.
+fn limb(r2: f64, k2: f64) -> f64 {
+    sphere(r2) / ((k2 - sphere(r2)) * (k2 + sphere(r2))).sqrt()
 }
 
 // ---- Rendering -----------------------------------------------------------------------------------
 
-/// From dark to bright.
+/// The glyphs, from dark to bright.
 const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
+/// The glyphs with the shading off.
+const FLAT: &[u8; 12] = &[b'.'; 12];
 
-/// The glyph of a luminance L, from -sqrt 2 to sqrt 2; what faces away from the light is dark.
-fn glyph(luminance: f64) -> u8 {
-    // A cast saturates: everything negative is 0.
-    RAMP[usize::from((8.0 * luminance) as u8)]
+/// The glyph of a level, which is eight times the luminance L without its fraction. L goes from
+/// -sqrt 2 to sqrt 2; a surface that is turned away from the light has a negative L, and level 0.
+fn glyph(ramp: &[u8; 12], level: u8) -> u8 {
+    ramp[usize::from(level).min(11)]
 }
 
 /// Draws one picture of the donut after another.
 struct Renderer {
-    scene: Scene,
-    camera: Camera,
+    view: View,
     method: Method,
-    /// The glyphs: `width * height` bytes, row by row from the top, a blank where the donut is not.
+    ramp: &'static [u8; 12],
+    /// The glyph of each cell: `width * height` bytes, row after row, a blank where no donut is.
     framebuffer: Vec<u8>,
-    splat: Option<Splat>,
+    /// The sample that each cell shows, 0 where there is none: the bits of its 1/z, and below them
+    /// eight bits for its level. The larger, the nearer: positive floats are in the order of their
+    /// bits.
+    zbuffer: Vec<u64>,
+    /// Made when `splat` first needs them, for they can be many.
+    samples: Option<Samples>,
 }
 
 impl Renderer {
-    fn new(scene: Scene, camera: Camera, method: Method) -> Renderer {
-        let framebuffer = vec![b' '; camera.width * camera.height];
-        Renderer { scene, camera, method, framebuffer, splat: None }
+    fn new(view: View, method: Method) -> Renderer {
+        let cells = view.width * view.height;
+        let (framebuffer, zbuffer) = (vec![b' '; cells], vec![0; cells]);
+        Renderer { view, method, ramp: RAMP, framebuffer, zbuffer, samples: None }
     }
 
-    /// Draws the donut turned by A and B into the framebuffer.
+    /// Draws the donut, turned by the angles A and B, into the framebuffer.
     fn render_frame(&mut self, a: f64, b: f64) {
         self.framebuffer.fill(b' ');
-        if self.method == Method::Classic {
-            let splat = self.splat.get_or_insert_with(|| Splat::new(&self.camera));
-            splat.draw(a as f32, b as f32, &self.camera, &mut self.framebuffer);
-        } else {
-            trace(a, b, &self.scene, &self.camera, &mut self.framebuffer);
-        }
-    }
-}
-
-// ---- classic: donut.c's splat --------------------------------------------------------------------
-
-/// An angle's sine and cosine, taken in f64 and rounded to f32 as C does with `double sin()`.
-fn sin_cos(angle: f32) -> (f32, f32) {
-    let (sin, cos) = f64::from(angle).sin_cos();
-    (sin as f32, cos as f32)
-}
-
-/// donut.c's clock: an angle is a `float`, advanced in `double` and rounded again.
-fn advance(angle: f32, step: f64) -> f32 {
-    (f64::from(angle) + step) as f32
-}
-
-/// Sines and cosines once round a circle, as in donut.c's `for (float i = 0; 6.28 > i; i += step)`.
-///
-/// At donut.c's steps no sample lies between 6.28 and 2 pi, and at finer ones it leaves a seam.
-struct Circle {
-    sin: Vec<f32>,
-    cos: Vec<f32>,
-}
-
-impl Circle {
-    fn new(step: f64) -> Circle {
-        let angles = std::iter::successors(Some(0.0), |&angle| Some(advance(angle, step)));
-        let angles = angles.take_while(|&angle| f64::from(angle) < TAU);
-        let (sin, cos) = angles.map(sin_cos).unzip();
-        Circle { sin, cos }
-    }
-}
-
-/// The surface as a cloud of samples, of which the nearest in each cell shows.
-struct Splat {
-    theta: Circle,
-    phi: Circle,
-    ring: Ring,
-    /// 1/z of what each cell shows, larger is nearer; 0 where the donut is not.
-    zbuffer: Vec<f32>,
-}
-
-impl Splat {
-    /// At larger scales than donut.c's the two angles' steps shrink in proportion, so that the nearest
-    /// point of the surface again moves at most a cell in a step, or there would be holes.
-    fn new(camera: &Camera) -> Splat {
-        let shrink = f64::min(1.0, Camera::DONUT_C.k1x / camera.k1x.max(camera.k1y));
-        let (theta, phi) = (Circle::new(0.07 * shrink), Circle::new(0.02 * shrink));
-        let ring = Ring::new(phi.sin.len());
-        Splat { theta, phi, ring, zbuffer: vec![0.0; camera.width * camera.height] }
-    }
-
-    fn draw(&mut self, a: f32, b: f32, camera: &Camera, framebuffer: &mut [u8]) {
-        let pose = (sin_cos(a), sin_cos(b));
-        self.zbuffer.fill(0.0);
-        // Samples that fall outside the picture go to cell 0, where nothing is ever nearer.
-        self.zbuffer[0] = f32::INFINITY;
-        for (&sin_theta, &cos_theta) in self.theta.sin.iter().zip(&self.theta.cos) {
-            self.ring.sample((sin_theta, cos_theta), &self.phi, pose, camera);
-            self.ring.locate(camera);
-            self.ring.plot(&mut self.zbuffer, framebuffer);
-        }
-    }
-}
-
-/// The samples round the ring at one theta, one for each phi.
-///
-/// An array to a quantity, each filled in a loop of its own, is what the compiler makes vectors of:
-/// it costs a seventh of donut.c's time.
-struct Ring {
-    /// 1/z, seen from the viewer.
-    ooz: Vec<f32>,
-    /// Screen position, in cells.
-    x: Vec<f32>,
-    y: Vec<f32>,
-    luminance: Vec<f32>,
-    /// Index into the framebuffer.
-    cell: Vec<u32>,
-}
-
-impl Ring {
-    fn new(samples: usize) -> Ring {
-        let zeros = || vec![0.0; samples];
-        Ring { ooz: zeros(), x: zeros(), y: zeros(), luminance: zeros(), cell: vec![0; samples] }
-    }
-
-    /// donut.c's formulas, in f32 and in its order of operations, for one theta and every phi.
-    fn sample(
-        &mut self,
-        (sin_theta, cos_theta): (f32, f32),
-        phi: &Circle,
-        ((sin_a, cos_a), (sin_b, cos_b)): ((f32, f32), (f32, f32)),
-        camera: &Camera,
-    ) {
-        let (r2, k2) = (Scene::DONUT_C.r2 as f32, Scene::DONUT_C.k2 as f32);
-        let (cx, cy) = (camera.cx as f32, camera.cy as f32);
-        let (k1x, k1y) = (camera.k1x as f32, camera.k1y as f32);
-        let h = cos_theta + r2;
-        let phi = phi.sin.iter().zip(&phi.cos);
-        let samples = phi.zip(&mut self.ooz).zip(&mut self.x).zip(&mut self.y);
-        for (((((&sin_phi, &cos_phi), ooz), x), y), luminance) in samples.zip(&mut self.luminance) {
-            *ooz = 1.0 / (sin_phi * h * sin_a + sin_theta * cos_a + k2);
-            let t = sin_phi * h * cos_a - sin_theta * sin_a;
-            *x = cx + k1x * *ooz * (cos_phi * h * cos_b - t * sin_b);
-            *y = cy + k1y * *ooz * (cos_phi * h * sin_b + t * cos_b);
-            *luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
-                - sin_phi * cos_theta * sin_a
-                - sin_theta * cos_a
-                - cos_phi * cos_theta * sin_b;
+        self.zbuffer.fill(0);
+        match self.method {
+            Method::Classic => self.splat(a as f32, b as f32),
+            _ => self.trace(a, b),
         }
     }
 
-    /// The cell of each sample, or 0 for one outside the picture.
-    fn locate(&mut self, camera: &Camera) {
-        let (width, height) = (camera.width as i32, camera.height as i32);
-        for ((&x, &y), cell) in self.x.iter().zip(&self.y).zip(&mut self.cell) {
-            let (column, row) = (truncate(x), truncate(y));
-            let inside = (0 < column) & (column < width) & (0 < row) & (row < height);
-            *cell = if inside { (column + width * row) as u32 } else { 0 };
+    /// `classic`: donut.c's own loops. Of the samples that fall into a cell it shows the nearest.
+    ///
+    /// All is in f32 and in donut.c's order of operations: another order rounds to other glyphs.
+    fn splat(&mut self, a: f32, b: f32) {
+        let (width, height) = (self.view.width as i32, self.view.height as i32);
+        let View { r2, k2, cx, cy, k1x, k1y, .. } = self.view;
+        let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
+        let ((sin_a, cos_a), (sin_b, cos_b)) = (sin_cos(a), sin_cos(b));
+        let samples = self.samples.get_or_insert_with(|| Samples::new(&self.view));
+        let zbuffer = &mut self.zbuffer[..];
+        // Samples outside of the picture go to cell 0, where none is ever nearer.
+        zbuffer[0] = u64::MAX;
+        let (mut ooz, mut level, mut cell) = ([0.0; BLOCK], [0; BLOCK], [0; BLOCK]);
+        for &(sin_theta, cos_theta) in &samples.theta {
+            let h = cos_theta + r2;
+            for phi in &samples.phi {
+                // A loop of formulas alone, which the compiler turns into vectors.
+                for i in 0..BLOCK {
+                    let (sin_phi, cos_phi) = (phi.sin[i], phi.cos[i]);
+                    ooz[i] = 1.0 / (sin_phi * h * sin_a + sin_theta * cos_a + k2);
+                    let t = sin_phi * h * cos_a - sin_theta * sin_a;
+                    let x = truncate(cx + k1x * ooz[i] * (cos_phi * h * cos_b - t * sin_b));
+                    let y = truncate(cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b));
+                    let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
+                        - sin_phi * cos_theta * sin_a
+                        - sin_theta * cos_a
+                        - cos_phi * cos_theta * sin_b;
+                    let inside = (y < height) & (0 < y) & (0 < x) & (x < width);
+                    cell[i] =
+                        if inside { x + i32::from(width as u16) * i32::from(y as u16) } else { 0 };
+                    level[i] = truncate(8.0 * luminance.max(0.0)) as u32;
+                }
+                for i in 0..BLOCK {
+                    // Which sample is nearer cannot be predicted: a comparison costs less than a branch.
+                    let sample = u64::from(ooz[i].to_bits()) << 8 | u64::from(level[i]);
+                    let shown = &mut zbuffer[cell[i] as usize];
+                    *shown = if sample > *shown | 0xff { sample } else { *shown };
+                }
+            }
         }
-    }
-
-    /// Puts each sample that is nearer than what its cell shows into the picture.
-    fn plot(&self, zbuffer: &mut [f32], framebuffer: &mut [u8]) {
-        for ((&cell, &ooz), &luminance) in self.cell.iter().zip(&self.ooz).zip(&self.luminance) {
-            let cell = cell as usize;
-            if ooz > zbuffer[cell] {
-                zbuffer[cell] = ooz;
-                framebuffer[cell] = glyph(luminance.into());
+        for (cell, &sample) in self.framebuffer.iter_mut().zip(zbuffer.iter()).skip(1) {
+            if sample > 0 {
+                *cell = glyph(self.ramp, sample as u8);
             }
         }
     }
-}
 
-/// `value as i32` for 0 <= value < 2^23, nothing positive below, in operations that vectorise on every
-/// machine.
-fn truncate(value: f32) -> i32 {
-    /// 2^23: from here on a float's last bit is worth 1, so a sum is rounded to a whole number.
-    const WHOLE: f32 = 8_388_608.0;
-    let rounded = value + WHOLE;
-    let up = rounded - WHOLE > value;
-    rounded.to_bits() as i32 - WHOLE.to_bits() as i32 - i32::from(up)
-}
-
-// ---- exact: one ray a cell -----------------------------------------------------------------------
-
-/// Rays are solved four at a time, an array to a quantity, which the compiler makes vectors of.
-const LANES: usize = 4;
-type Lanes = [f64; LANES];
-
-/// Where a ray arrives that misses.
-const FAR: f64 = f64::INFINITY;
-
-/// Draws what the ray through each cell's centre hits first.
-///
-/// Of how the donut is turned only its axis matters, for it is a surface of revolution. That is why
-/// two angles are enough.
-fn trace(a: f64, b: f64, scene: &Scene, camera: &Camera, framebuffer: &mut [u8]) {
-    let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
-    let axis = [sin_a * sin_b, -sin_a * cos_b, cos_a];
-    let limb = scene.limb();
-    for (row, cells) in framebuffer.chunks_exact_mut(camera.width).enumerate().skip(1) {
-        let dy = (row as f64 + 0.5 - camera.cy) / camera.k1y;
-        // Rays beyond the limb have nothing to hit.
-        let half = (limb * limb - dy * dy).max(0.0).sqrt() * camera.k1x;
-        let first = (camera.cx - half) as usize;
-        let last = ((camera.cx + half) as usize + 1).min(camera.width);
-        for column in (first..last).step_by(LANES) {
-            let x = |lane| (column + lane) as f64 + 0.5;
-            let dx = std::array::from_fn(|lane| (x(lane) - camera.cx) / camera.k1x);
-            let rays = Rays::cast(&dx, dy, scene, &axis);
-            let hits = rays.first_hits();
-            let luminance = rays.luminance(&hits, scene, &axis);
-            for ((cell, s), luminance) in cells[column..].iter_mut().zip(hits).zip(luminance) {
-                if s < FAR {
-                    *cell = glyph(luminance);
+    /// `exact`: a cell shows what the ray through its centre hits first.
+    fn trace(&mut self, a: f64, b: f64) {
+        let View { r2, k2, width, cx, cy, k1x, k1y, .. } = self.view;
+        let (torus, limb) = (Torus::new(r2, a, b), limb(r2, k2));
+        for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
+            let dy = (row as f64 + 0.5 - cy) / k1y;
+            // Rays beyond the limb have nothing to hit.
+            let half = (limb * limb - dy * dy).max(0.0).sqrt() * k1x;
+            let first = (cx - half) as usize;
+            let last = ((cx + half) as usize + 1).min(width);
+            for column in (first..last).step_by(LANES) {
+                let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
+                let rays = torus.cast(std::array::from_fn(dx), dy, k2);
+                let hits = torus.first_hits(&rays);
+                let luminance = torus.luminance(&rays, &hits);
+                for ((cell, s), luminance) in
+                    cells[column..last].iter_mut().zip(hits).zip(luminance)
+                {
+                    if s < MISS {
+                        // The cast takes what is below 0 for 0.
+                        *cell = glyph(self.ramp, (8.0 * luminance) as u8);
+                    }
                 }
             }
         }
     }
 }
 
-/// Rays from the viewer, and where they meet the donut.
+// ---- classic: donut.c's samples ------------------------------------------------------------------
+
+/// How many values of phi are worked on together.
+const BLOCK: usize = 16;
+
+/// The sines and cosines of theta and phi, from which `splat` makes its samples of the surface.
+struct Samples {
+    theta: Vec<(f32, f32)>,
+    phi: Vec<Block>,
+}
+
+struct Block {
+    sin: [f32; BLOCK],
+    cos: [f32; BLOCK],
+}
+
+impl Samples {
+    /// donut.c's steps, made smaller in proportion for a larger picture: the point nearest to the
+    /// viewer again moves by a cell at most in a step. Larger steps would leave holes.
+    fn new(view: &View) -> Samples {
+        let shrink = f64::min(1.0, View::DONUT_C.k1x / view.k1x.max(view.k1y));
+        Samples::with_steps(0.07 * shrink, 0.02 * shrink)
+    }
+
+    fn with_steps(theta: f64, phi: f64) -> Samples {
+        let mut phi = circle(phi);
+        // The first sample fills up the last block: the second time it is not nearer, and changes
+        // nothing.
+        phi.resize(phi.len().next_multiple_of(BLOCK), phi[0]);
+        let block = |phi: &[(f32, f32)]| Block {
+            sin: std::array::from_fn(|i| phi[i].0),
+            cos: std::array::from_fn(|i| phi[i].1),
+        };
+        Samples { theta: circle(theta), phi: phi.chunks(BLOCK).map(block).collect() }
+    }
+}
+
+/// The sines and cosines of angles once round the circle, counted up as donut.c does.
+fn circle(step: f64) -> Vec<(f32, f32)> {
+    let angles = std::iter::successors(Some(0.0), |&angle| Some(advance(angle, step)));
+    // donut.c stops at 6.28. At its own steps that is the same; smaller ones would leave a gap there.
+    angles.take_while(|&angle| f64::from(angle) < TAU).map(sin_cos).collect()
+}
+
+/// donut.c's `angle += step`: C adds in `double`, and rounds the sum to `float`.
+fn advance(angle: f32, step: f64) -> f32 {
+    (f64::from(angle) + step) as f32
+}
+
+/// The sine and the cosine of an angle. C takes them in `double`, too, and rounds to `float`.
+fn sin_cos(angle: f32) -> (f32, f32) {
+    let (sin, cos) = f64::from(angle).sin_cos();
+    (sin as f32, cos as f32)
+}
+
+/// `value as i32` where that is from 1 to 2^23, and some number below 1 where that is below 1.
 ///
-/// A ray is `P = P0 + s U`: U is its unit direction, P0 its point nearest to the donut's centre. The
-/// donut is where `(|P|^2 + R2^2 - R1^2)^2 = 4 R2^2 (|P|^2 - z^2)`, z being the height over the plane
-/// of the ring. Along the ray this is `G(s) = s^4 + p s^2 + q s + r = 0`; G is positive outside.
-/// Measured from P0 it has no cubic term, and small coefficients however far away the viewer is.
+/// Unlike the cast, all of this can be done on vectors on every machine.
+fn truncate(value: f32) -> i32 {
+    // From 2^23 on floats are whole numbers: the sum is rounded to one, which its last bits spell.
+    const WHOLE: f32 = 8_388_608.0;
+    let rounded = value + WHOLE;
+    let up = rounded - WHOLE > value;
+    rounded.to_bits() as i32 - WHOLE.to_bits() as i32 - i32::from(up)
+}
+
+// ---- exact: rays and a torus ---------------------------------------------------------------------
+
+/// How many rays are solved side by side. One ray's step waits for the division before it; eight
+/// keep the machine busy.
+const LANES: usize = 8;
+/// One number for each of these rays.
+type Lanes = [f64; LANES];
+
+/// Where a ray hits that misses.
+const MISS: f64 = f64::INFINITY;
+
+/// A step shorter than this, in units of R1, is the last. Newton's method doubles the digits that are
+/// right with each step, so that about 1e-12 is left. Only for a ray that grazes the donut it gains
+/// a bit a step: there 1e-6 along the ray is 1e-12 across it, and such a ray hits as well as it
+/// misses.
+const LAST_STEP: f64 = 1e-6;
+/// No ray has been found that takes more than 40 steps. One that did would hit where it is then: as
+/// no step goes beyond the first root, it would be a ray that grazes the donut.
+const MOST_STEPS: usize = 64;
+
+/// The donut of one frame, as a ray meets it.
+///
+/// A ray is P = P0 + s U. U is its direction, of length 1. P0 is its point nearest to the donut's
+/// centre, which is the origin, so P0 and U are at right angles. Of a point P three numbers matter:
+///
+/// ```text
+/// |P|^2 = q0 + s^2      the square of its distance from the centre
+/// z     = z0 + uz s     its height over the plane of the ring
+/// l     = l0 + lu s     its product with the light (0, -1, -1)
+/// ```
+///
+/// P is on the surface if it is R1 = 1 away from the ring. At the distance rho from the axis, that is
+/// `(rho - R2)^2 + z^2 = 1`. As `rho^2 = |P|^2 - z^2`, it is `(|P|^2 + R2^2 - 1)^2 = 4 R2^2 rho^2`, and
+/// along the ray `G(s) = s^4 + p s^2 + q s + r = 0`. G is positive outside of the donut. It has no
+/// cubic term, and its coefficients stay small however far away the viewer is, as s counts from P0.
+struct Torus {
+    r2: f64,
+    /// The axis of revolution, of length 1, once the donut is turned by A and B. That is all that can
+    /// be seen of how it is turned: a donut turned about its own axis looks the same.
+    axis: [f64; 3],
+}
+
+/// The three numbers of the points on each ray.
 #[derive(Default)]
 struct Rays {
-    p: Lanes,
-    q: Lanes,
-    r: Lanes,
-    /// `|P0|^2`, and half of the chord in the sphere that the donut never leaves.
     q0: Lanes,
-    h: Lanes,
-    /// Height over the plane of the ring: of P0, and gained with each unit of s.
     z0: Lanes,
     uz: Lanes,
-    /// Product with the light (0, -1, -1): of P0, and of U.
     l0: Lanes,
     lu: Lanes,
 }
 
-impl Rays {
-    /// The rays in the directions (dx, dy, 1), for a donut whose axis is the unit vector `axis`.
-    fn cast(dx: &Lanes, dy: f64, scene: &Scene, axis: &[f64; 3]) -> Rays {
-        let Scene { r2, k2 } = *scene;
-        let (inner, outer) = ((r2 - 1.0) * (r2 - 1.0), (r2 + 1.0) * (r2 + 1.0));
-        let dot = |[x, y, z]: [f64; 3]| x * axis[0] + y * axis[1] + z * axis[2];
-        debug_assert!(dy.is_finite() && dx.iter().all(|dx| dx.is_finite()));
+impl Torus {
+    fn new(r2: f64, a: f64, b: f64) -> Torus {
+        let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
+        Torus { r2, axis: [sin_a * sin_b, -sin_a * cos_b, cos_a] }
+    }
+
+    /// The rays from the viewer, who is at (0, 0, -K2), in the directions (dx, dy, 1).
+    fn cast(&self, dx: Lanes, dy: f64, k2: f64) -> Rays {
+        let [x, y, z] = self.axis;
         let mut rays = Rays::default();
-        for (i, &dx) in dx.iter().enumerate() {
-            let cos = 1.0 / (1.0 + dx * dx + dy * dy).sqrt();
-            let u = [dx * cos, dy * cos, cos];
-            // The viewer is at (0, 0, -K2). Over K2, this is how P0 lies from the centre.
-            let p0 = [u[0] * cos, u[1] * cos, -(u[0] * u[0] + u[1] * u[1])];
-            let (q0, z0, uz) = (k2 * k2 * -p0[2], k2 * dot(p0), dot(u));
-            rays.p[i] = 2.0 * (q0 - r2 * r2 - 1.0) + 4.0 * r2 * r2 * uz * uz;
-            rays.q[i] = 8.0 * r2 * r2 * z0 * uz;
-            rays.r[i] = (q0 - inner) * (q0 - outer) + 4.0 * r2 * r2 * z0 * z0;
-            (rays.q0[i], rays.h[i]) = (q0, (outer - q0).max(0.0).sqrt());
-            (rays.z0[i], rays.uz[i]) = (z0, uz);
-            (rays.l0[i], rays.lu[i]) = (-k2 * (p0[1] + p0[2]), -(u[1] + u[2]));
+        for (i, dx) in dx.into_iter().enumerate() {
+            // U is (dx, dy, 1) times cos; P0 is (dx, dy, -square) times near.
+            let square = dx * dx + dy * dy;
+            let cos = 1.0 / (1.0 + square).sqrt();
+            let near = k2 * cos * cos;
+            rays.q0[i] = k2 * near * square;
+            rays.z0[i] = near * (dx * x + dy * y - square * z);
+            rays.uz[i] = cos * (dx * x + dy * y + z);
+            rays.l0[i] = near * (square - dy);
+            rays.lu[i] = -cos * (dy + 1.0);
         }
         rays
     }
 
-    /// Distance s of each ray's first hit, infinite where it misses.
-    fn first_hits(&self) -> Lanes {
-        let mut search = Search::new(self);
-        let mut steps = 0;
-        while search.is_running() && steps < Search::MOST_STEPS {
-            search.step(self);
-            steps += 1;
-        }
-        debug_assert!(!search.is_running(), "Newton takes too many steps");
-        search.s
+    /// The coefficients p, q and r of a ray's G.
+    fn quartic(&self, q0: f64, z0: f64, uz: f64) -> [f64; 3] {
+        let (inner, outer) = (self.r2 - 1.0, self.r2 + 1.0);
+        let square = 4.0 * self.r2 * self.r2;
+        let p = 2.0 * (q0 - self.r2 * self.r2 - 1.0) + square * uz * uz;
+        let q = 2.0 * square * z0 * uz;
+        let r = (q0 - inner * inner) * (q0 - outer * outer) + square * z0 * z0;
+        [p, q, r]
     }
 
-    /// Light times normal where each ray hits. At the point P, of height z and at rho from the axis n,
-    /// the normal is `(P - z n) (1 - R2 / rho) + z n`.
-    fn luminance(&self, s: &Lanes, scene: &Scene, axis: &[f64; 3]) -> Lanes {
-        let axis_light = -(axis[1] + axis[2]);
-        std::array::from_fn(|i| {
-            let z = self.z0[i] + s[i] * self.uz[i];
-            let rho = (self.q0[i] + s[i] * s[i] - z * z).sqrt();
-            let light = self.l0[i] + s[i] * self.lu[i];
-            (light - z * axis_light) * (1.0 - scene.r2 / rho) + z * axis_light
-        })
-    }
-}
-
-/// Newton's search for the first root of each ray's G.
-///
-/// G has two valleys at most, and is convex outside of its inflections -w and w. Coming from the left
-/// Newton goes down to the first root and never beyond, if the left valley holds one. If not, a step
-/// finds G rising, or goes beyond -w. The search then starts again at w, from where Newton reaches a
-/// root in the right valley from either side, or finds G rising once more: the ray misses.
-struct Search {
-    s: Lanes,
-    last_step: Lanes,
-    /// How far s may go: to -w in the left valley.
-    limit: Lanes,
-    /// Where to start again: at w, and then nowhere.
-    second: Lanes,
-}
-
-impl Search {
-    /// Where to stop, in units of the tube's radius.
-    const TOLERANCE: f64 = 1e-9;
-    /// Five steps are the mean. Rays that graze the donut take up to 18.
-    const MOST_STEPS: usize = 32;
-
-    fn new(rays: &Rays) -> Search {
-        let far = [FAR; LANES];
-        let mut search = Search { s: far, last_step: far, limit: far, second: far };
+    /// Where each ray first hits the donut, as its s.
+    ///
+    /// Newton's method. G is convex but for the stretch between its inflections -w and w, if it has
+    /// any; there it is concave. Where G is convex and falls, a step from outside of the donut never
+    /// goes beyond the first root. Left of -w it may turn out that there is no root: a step goes
+    /// beyond -w, or G rises. The search then goes on from w. If G is positive there, it has had no
+    /// root yet, and is convex from there on. If it is negative, the first root is between -w and w,
+    /// where G is concave and falls, and the steps go back to it without going beyond. Where G rises
+    /// once more, the ray misses.
+    fn first_hits(&self, rays: &Rays) -> Lanes {
+        let outer = sphere(self.r2) * sphere(self.r2);
+        let mut p = [0.0; LANES];
+        let (mut q, mut r, mut w, mut s) = (p, p, p, p);
         for i in 0..LANES {
-            let w = (-rays.p[i] / 6.0).max(0.0).sqrt();
-            (search.s[i], search.limit[i], search.second[i]) = (-rays.h[i], -w, w);
+            let (q0, z0, uz) = (rays.q0[i], rays.z0[i], rays.uz[i]);
+            [p[i], q[i], r[i]] = self.quartic(q0, z0, uz);
+            w[i] = (p[i] / -6.0).max(0.0).sqrt();
+            // The donut is in the sphere, and between the planes z = -1 and z = 1. The search starts
+            // where the ray has entered both: until then there is no root.
+            let sphere = -(outer - q0).max(0.0).sqrt();
+            let planes = -(1.0 + z0 * 1_f64.copysign(uz)) / uz.abs();
+            let start = sphere.max(planes);
+            // From between the inflections the search goes as from w, for G is positive at the start.
+            s[i] = if start > -w[i] { start.max(w[i]) } else { start };
         }
-        search
-    }
-
-    /// Whether any lane has neither arrived at a root nor run out of starts.
-    fn is_running(&self) -> bool {
-        let open = |i: usize| self.last_step[i].abs() > Search::TOLERANCE && self.s[i] < FAR;
-        (0..LANES).any(open)
-    }
-
-    /// One step of each lane, without branches, so that it vectorises.
-    fn step(&mut self, rays: &Rays) {
-        for i in 0..LANES {
-            let (s, p, q, r) = (self.s[i], rays.p[i], rays.q[i], rays.r[i]);
-            let slope = (4.0 * s * s + 2.0 * p) * s + q;
-            let step = (((s * s + p) * s + q) * s + r) / slope;
-            let lost = (slope >= 0.0) | (s - step > self.limit[i]);
-            self.s[i] = select(lost, self.second[i], s - step);
-            self.last_step[i] = select(lost, FAR, step);
-            self.limit[i] = select(lost, FAR, self.limit[i]);
-            self.second[i] = select(lost, FAR, self.second[i]);
+        for _ in 0..MOST_STEPS {
+            let mut searching = false;
+            for i in 0..LANES {
+                let square = s[i] * s[i] + p[i];
+                let slope = 2.0 * (square + s[i] * s[i]) * s[i] + q[i];
+                let step = ((square * s[i] + q[i]) * s[i] + r[i]) / slope;
+                let next = s[i] - step;
+                let left = s[i] < -w[i];
+                let lost = (slope >= 0.0) | (left & (next > -w[i]));
+                let restart = if left { w[i] } else { MISS };
+                s[i] = if lost { restart } else { next };
+                searching |= (lost & left) | (!lost & (step.abs() > LAST_STEP));
+            }
+            if !searching {
+                break;
+            }
         }
+        s
     }
-}
 
-fn select(condition: bool, yes: f64, no: f64) -> f64 {
-    if condition { yes } else { no }
+    /// The luminance where each ray hits: the surface's normal times the light.
+    ///
+    /// With the axis n the normal at P is `(P - z n) (1 - R2 / rho) + z n`. On the surface rho is
+    /// `(|P|^2 + R2^2 - 1) / (2 R2)`, which takes no square root.
+    fn luminance(&self, rays: &Rays, hits: &Lanes) -> Lanes {
+        let r2 = self.r2;
+        let axis_light = -(self.axis[1] + self.axis[2]);
+        let mut luminance = [0.0; LANES];
+        for (i, s) in hits.iter().enumerate() {
+            let z = rays.z0[i] + rays.uz[i] * s;
+            let light = rays.l0[i] + rays.lu[i] * s;
+            let across = 1.0 - 2.0 * r2 * r2 / (rays.q0[i] + s * s + r2 * r2 - 1.0);
+            luminance[i] = (light - z * axis_light) * across + z * axis_light;
+        }
+        luminance
+    }
 }
 
 // ---- Encoding ------------------------------------------------------------------------------------
@@ -1128,9 +1115,9 @@ impl Clock {
 
 impl Method {
     /// What `auto` comes to for this picture.
-    fn choose(self, camera: &Camera, clock: &Clock) -> Method {
+    fn choose(self, view: &View, clock: &Clock) -> Method {
         match self {
-            Method::Auto if *camera == Camera::DONUT_C && clock.floats_follow() => Method::Classic,
+            Method::Auto if *view == View::DONUT_C && clock.floats_follow() => Method::Classic,
             Method::Auto => Method::Exact,
             chosen => chosen,
         }
@@ -1146,8 +1133,6 @@ struct Animation<'a> {
     renderer: Renderer,
     clock: Clock,
     encoder: Encoder,
-    /// Whether the shading is off: every cell of the donut a dot.
-    flat: bool,
     paused: bool,
     /// When the next frame is to be drawn.
     due: Instant,
@@ -1156,12 +1141,12 @@ struct Animation<'a> {
 }
 
 /// Shows the donut until there are frames enough, somebody says stop, or nobody reads any more.
-fn run(options: &Options, scene: Scene) -> io::Result<()> {
+fn run(options: &Options) -> io::Result<()> {
     if options.frames == Some(0) {
         return Ok(());
     }
     let output = Output::detect();
-    let mut animation = Animation::new(options, scene, output)?;
+    let mut animation = Animation::new(options, output)?;
     let (sender, actions) = mpsc::channel();
     match output {
         Output::Pipe => animation.play(&actions).map(drop),
@@ -1187,29 +1172,29 @@ fn interval(fps: f64) -> Duration {
     Duration::from_secs_f64(if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 })
 }
 
-/// The camera for the size of the options, clipped to the terminal.
-fn fit(options: &Options, scene: &Scene, output: Output, (columns, rows): (u16, u16)) -> Camera {
+/// The view for the size of the options, clipped to the terminal.
+fn fit(options: &Options, output: Output, (columns, rows): (u16, u16)) -> View {
     let clip = |asked: Option<u16>, most: u16| match asked {
         Some(asked) if output == Output::Pipe => asked,
         asked => asked.unwrap_or(4096).min(most),
     };
     let width = clip(options.width, columns);
     let height = clip(options.height, rows.saturating_sub(2).max(1));
-    Camera::new(width.into(), height.into(), options.aspect, scene)
+    let (r2, k2) = options.scene();
+    View::new(width.into(), height.into(), options.aspect, r2, k2)
 }
 
 impl Animation<'_> {
-    fn new(options: &Options, scene: Scene, output: Output) -> io::Result<Animation<'_>> {
+    fn new(options: &Options, output: Output) -> io::Result<Animation<'_>> {
         let screen = Arc::new(Screen::new(output, options.frames.is_none())?);
         let size = screen.size()?;
         Ok(Animation {
             options,
             screen,
             size,
-            renderer: Renderer::new(scene, fit(options, &scene, output, size), options.method),
+            renderer: Renderer::new(fit(options, output, size), options.method),
             clock: Clock { origin: [options.a, options.b], frames: 0, spin: options.spin },
             encoder: Encoder::new(output, options.color),
-            flat: false,
             paused: false,
             due: Instant::now(),
             out: Vec::new(),
@@ -1261,7 +1246,9 @@ impl Animation<'_> {
         match action {
             Action::Quit(signal) => return Ok(ControlFlow::Break(signal)),
             Action::Pause => (self.paused, self.due) = (!self.paused, Instant::now()),
-            Action::Shade => self.flat = !self.flat,
+            Action::Shade => {
+                self.renderer.ramp = if self.renderer.ramp == RAMP { FLAT } else { RAMP };
+            }
             Action::Redraw => self.encoder.clear = true,
             // Whoever had the terminal meanwhile: the loop takes it anew.
             Action::Resume => self.screen.give_back()?,
@@ -1298,31 +1285,23 @@ impl Animation<'_> {
         let changed = size != self.size;
         if changed {
             (self.size, self.encoder.clear) = (size, true);
-            let scene = self.renderer.scene;
-            let camera = fit(self.options, &scene, self.screen.output, size);
-            if camera != self.renderer.camera {
-                self.renderer = Renderer::new(scene, camera, self.options.method);
+            let view = fit(self.options, self.screen.output, size);
+            if view != self.renderer.view {
+                let ramp = self.renderer.ramp;
+                self.renderer = Renderer { ramp, ..Renderer::new(view, self.options.method) };
             }
         }
         Ok(changed)
     }
 
     fn draw(&mut self) -> io::Result<()> {
-        let camera = self.renderer.camera;
-        self.renderer.method = self.options.method.choose(&camera, &self.clock);
+        let view = self.renderer.view;
+        self.renderer.method = self.options.method.choose(&view, &self.clock);
         let [a, b] = self.clock.angles();
         self.renderer.render_frame(a, b);
-        if self.flat {
-            self.flatten();
-        }
         self.out.clear();
-        self.encoder.encode(&self.renderer.framebuffer, camera.width, &mut self.out);
+        self.encoder.encode(&self.renderer.framebuffer, view.width, &mut self.out);
         self.screen.write_frame(&self.out)
-    }
-
-    fn flatten(&mut self) {
-        let donut = self.renderer.framebuffer.iter_mut().filter(|cell| **cell != b' ');
-        donut.for_each(|cell| *cell = RAMP[0]);
     }
 }
 

@@ -15,11 +15,11 @@ fn the_exact_clock_still_turns_right_after_2_to_the_40_frames() {
         let [next_a, next_b] = clock.angles();
         assert!((next_a - a - 0.04).abs() < error && (next_b - b - 0.02).abs() < error);
 
-        let camera = fitted(100, 30);
-        let picture = draw(Method::Exact, Scene::DONUT_C, camera, a, b);
-        assert_ne!(picture, draw(Method::Exact, Scene::DONUT_C, camera, next_a, next_b));
+        let view = fitted(100, 30);
+        let picture = draw(Method::Exact, view, a, b);
+        assert_ne!(picture, draw(Method::Exact, view, next_a, next_b));
         let mut tally = Tally::default();
-        tally.add(&Oracle::new(1.0, 2.0, 5.0, a, b), &camera, &picture);
+        tally.add(&oracle_of(&view, a, b), &view, &picture);
         tally.assert_right();
     }
 }
@@ -39,11 +39,11 @@ fn donut_cs_clock_stands_still_from_frame_22_918_663() {
 fn auto_hands_over_at_frame_3_345_245_and_nothing_jumps() {
     let mut clock = clock(0.0, 0.0);
     for _ in 0..3_345_245 {
-        assert!(Method::Auto.choose(&Camera::DONUT_C, &clock) == Method::Classic);
+        assert!(Method::Auto.choose(&View::DONUT_C, &clock) == Method::Classic);
         clock.tick(Method::Classic);
     }
     for _ in 0..1000 {
-        assert!(Method::Auto.choose(&Camera::DONUT_C, &clock) == Method::Exact);
+        assert!(Method::Auto.choose(&View::DONUT_C, &clock) == Method::Exact);
         let [a, b] = clock.angles();
         clock.tick(Method::Exact);
         let [next_a, next_b] = clock.angles();
@@ -54,28 +54,28 @@ fn auto_hands_over_at_frame_3_345_245_and_nothing_jumps() {
 #[test]
 fn a_donut_that_stands_still_is_classic_wherever_it_stands() {
     let clock = Clock { spin: [0.0, 0.0], ..clock(1.1, 0.3) };
-    assert!(Method::Auto.choose(&Camera::DONUT_C, &clock) == Method::Classic);
+    assert!(Method::Auto.choose(&View::DONUT_C, &clock) == Method::Classic);
 }
 
 #[test]
 fn auto_is_exact_where_floats_cannot_follow_the_spin() {
     for (a, spin) in [(1_048_560.0, 0.04), (1.0, 1e-9), (1.0, -1e-9)] {
         let clock = Clock { spin: [spin, 0.0], ..clock(a, 0.0) };
-        assert!(Method::Auto.choose(&Camera::DONUT_C, &clock) == Method::Exact);
+        assert!(Method::Auto.choose(&View::DONUT_C, &clock) == Method::Exact);
     }
 }
 
 #[test]
 fn auto_is_exact_at_every_size_and_scene_but_donut_cs() {
-    let other = Scene { r2: 2.0, k2: 6.0 };
-    let cameras = [
+    let views = [
         fitted(81, 22),
         fitted(80, 23),
-        Camera::new(80, 22, 1.9, &Scene::DONUT_C),
-        Camera::new(80, 22, 2.0, &other),
+        View::new(80, 22, 1.9, 2.0, 5.0),
+        View::new(80, 22, 2.0, 2.0, 6.0),
+        View::new(80, 22, 2.0, 2.1, 5.0),
     ];
-    for camera in cameras {
-        assert!(Method::Auto.choose(&camera, &clock(0.0, 0.0)) == Method::Exact);
+    for view in views {
+        assert!(Method::Auto.choose(&view, &clock(0.0, 0.0)) == Method::Exact);
     }
     assert!(Method::Auto.choose(&fitted(80, 22), &clock(0.0, 0.0)) == Method::Classic);
 }

@@ -1,38 +1,37 @@
 //! The mathematics, from inside.
 
 mod chart;
+mod classic;
 mod clock;
 mod dist;
 mod exact;
 mod oracle;
-mod splat;
 #[cfg(unix)]
 mod terminal;
 
 use super::*;
 use oracle::{Oracle, Verdict};
 
-/// donut.c's camera enlarged: what `--width` and `--height` draw is fitted instead.
-fn enlarged(times: usize) -> Camera {
-    let Camera { width, height, cx, cy, k1x, k1y } = Camera::DONUT_C;
-    let s = times as f64;
-    Camera {
-        width: times * width,
-        height: times * height,
-        cx: s * cx,
-        cy: s * cy,
-        k1x: s * k1x,
-        k1y: s * k1y,
-    }
+/// donut.c's view enlarged: what `--width` and `--height` draw is fitted instead.
+fn enlarged(times: usize) -> View {
+    let View { r2, k2, width, height, .. } = View::DONUT_C;
+    let [cx, cy, k1x, k1y] = [40.0, 12.0, 30.0, 15.0].map(|value| times as f64 * value);
+    View { r2, k2, width: times * width, height: times * height, cx, cy, k1x, k1y }
 }
 
-fn fitted(width: usize, height: usize) -> Camera {
-    Camera::new(width, height, 2.0, &Scene::DONUT_C)
+/// donut.c's donut in a picture of another size.
+fn fitted(width: usize, height: usize) -> View {
+    View::new(width, height, 2.0, 2.0, 5.0)
+}
+
+/// What the oracle sees in such a view.
+fn oracle_of(view: &View, a: f64, b: f64) -> Oracle {
+    Oracle::new(1.0, view.r2, view.k2, a, b)
 }
 
 /// The direction (dx, dy, 1) of the ray through a point of the screen.
-fn direction(camera: &Camera, x: f64, y: f64) -> (f64, f64) {
-    ((x - camera.cx) / camera.k1x, (y - camera.cy) / camera.k1y)
+fn direction(view: &View, x: f64, y: f64) -> (f64, f64) {
+    ((x - view.cx) / view.k1x, (y - view.cy) / view.k1y)
 }
 
 /// The level of a glyph, from 0, the darkest, to 11; nothing for a blank.
@@ -47,8 +46,8 @@ fn own_poses(count: usize) -> Vec<(f64, f64)> {
     (0..count).map(|n| (2.44 * n as f64, 1.22 * n as f64)).collect()
 }
 
-fn draw(method: Method, scene: Scene, camera: Camera, a: f64, b: f64) -> Vec<u8> {
-    let mut renderer = Renderer::new(scene, camera, method);
+fn draw(method: Method, view: View, a: f64, b: f64) -> Vec<u8> {
+    let mut renderer = Renderer::new(view, method);
     renderer.render_frame(a, b);
     renderer.framebuffer
 }
@@ -66,11 +65,11 @@ struct Tally {
 
 impl Tally {
     /// Adds the cells of a picture, in which `oracle`'s torus should be seen.
-    fn add(&mut self, oracle: &Oracle, camera: &Camera, framebuffer: &[u8]) {
-        for row in 1..camera.height {
-            for column in 1..camera.width {
-                let (dx, dy) = direction(camera, column as f64 + 0.5, row as f64 + 0.5);
-                let drawn = level(framebuffer[row * camera.width + column]);
+    fn add(&mut self, oracle: &Oracle, view: &View, framebuffer: &[u8]) {
+        for row in 1..view.height {
+            for column in 1..view.width {
+                let (dx, dy) = direction(view, column as f64 + 0.5, row as f64 + 0.5);
+                let drawn = level(framebuffer[row * view.width + column]);
                 self.count(oracle.judge(dx, dy, drawn));
                 self.surface += usize::from(drawn.is_some());
             }

@@ -11,7 +11,7 @@ use pty::Pty;
 fn a_donut_that_falls() {
     let (sender, _actions) = mpsc::channel();
     let options = Options::parse_from(["donut"]);
-    let mut animation = Animation::new(&options, Scene::DONUT_C, Output::Terminal).unwrap();
+    let mut animation = Animation::new(&options, Output::Terminal).unwrap();
     animation.screen.watch(&sender).unwrap();
     animation.screen.take().unwrap();
     // Also of a thread that does not draw.

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::fs;
 
 use self::rivals::{donut_c, first_root_f32, first_root_f64, sphere_trace, trace_with};
-use super::splat::with_steps;
+use super::classic::with_steps;
 use super::*;
 
 /// How many of donut.c's own poses are drawn.
@@ -54,7 +54,7 @@ impl Wrong {
 /// A line of the table.
 struct Row {
     name: String,
-    /// How often donut.c's camera is enlarged.
+    /// How often donut.c's view is enlarged.
     times: usize,
     /// Microseconds a frame: median, 10th and 90th percentile.
     micros: [f64; 3],
@@ -69,7 +69,7 @@ impl Row {
         one shade off,more shades off,extra outline,holes\n";
 
     fn cells(&self) -> usize {
-        self.times * self.times * Camera::DONUT_C.width * Camera::DONUT_C.height
+        self.times * self.times * View::DONUT_C.width * View::DONUT_C.height
     }
 
     /// Wrong cells, in per cent of the donut's.
@@ -104,11 +104,11 @@ impl Row {
     }
 }
 
-/// How often donut.c's camera is enlarged.
+/// How often donut.c's view is enlarged.
 const SIZES: [usize; 5] = [1, 2, 4, 8, 16];
 
 fn size(times: usize) -> String {
-    let Camera { width, height, .. } = enlarged(times);
+    let View { width, height, .. } = enlarged(times);
     format!("{width}x{height}")
 }
 
@@ -117,74 +117,71 @@ fn way(name: impl Into<String>, draw: impl FnMut(f64, f64, &mut [u8]) + 'static)
     Way { name, draw }
 }
 
-fn splat(name: &str, camera: Camera, mut splat: Splat) -> Way {
+fn program(name: impl Into<String>, mut renderer: Renderer) -> Way {
     way(name, move |a, b, cells| {
-        splat.draw(a as f32, b as f32, &camera, cells);
+        renderer.render_frame(a, b);
+        cells.copy_from_slice(&renderer.framebuffer);
     })
 }
 
-fn closed_form(name: &str, camera: Camera, first_root: impl Fn([f64; 3]) -> f64 + 'static) -> Way {
+fn closed_form(name: &str, view: View, first_root: impl Fn([f64; 3]) -> f64 + 'static) -> Way {
     way(name, move |a, b, cells| {
-        trace_with((a, b), &camera, cells, |[Rays { p, q, r, .. }]| {
-            [std::array::from_fn(|i| first_root([p[i], q[i], r[i]]))]
+        trace_with((a, b), &view, cells, |torus, [rays]: &[Rays; 1]| {
+            let root = |i| first_root(torus.quartic(rays.q0[i], rays.z0[i], rays.uz[i]));
+            [std::array::from_fn(root)]
         });
     })
 }
 
 /// The program's own.
 fn own_ways(times: usize) -> Vec<Way> {
-    let camera = enlarged(times);
-    vec![
-        splat("classic x1", camera, Splat::new(&camera)),
-        way("exact", move |a, b, cells| {
-            trace(a, b, &Scene::DONUT_C, &camera, cells);
-        }),
-    ]
+    [("classic x1", Method::Classic), ("exact", Method::Exact)]
+        .map(|(name, method)| program(name, Renderer::new(enlarged(times), method)))
+        .into()
 }
 
 /// What to compare them with.
 fn other_ways(times: usize) -> Vec<Way> {
-    let camera = enlarged(times);
-    let coarser = |factor| {
-        let factor: f64 = factor / times as f64;
-        with_steps(&camera, 0.07 * factor, 0.02 * factor)
-    };
+    let view = enlarged(times);
+    let steps =
+        |name: &str, factor: f64| program(name, with_steps(view, 0.07 * factor, 0.02 * factor));
+    let own = 1.0 / times as f64;
     let mut ways = vec![
-        splat("classic x4", camera, coarser(4.0)),
-        splat("classic x2", camera, coarser(2.0)),
-        splat("classic x1/2", camera, coarser(0.5)),
-        splat("classic x1/4", camera, coarser(0.25)),
-        splat("fixed 0.07/0.02", camera, with_steps(&camera, 0.07, 0.02)),
-        closed_form("closed form f32", camera, |g| first_root_f32(g, 1)),
-        closed_form("closed form f64", camera, |g| first_root_f64(g, 0)),
+        steps("classic x4", 4.0 * own),
+        steps("classic x2", 2.0 * own),
+        steps("classic x1/2", 0.5 * own),
+        steps("classic x1/4", 0.25 * own),
+        steps("fixed 0.07/0.02", 1.0),
+        closed_form("closed form f32", view, |g| first_root_f32(g, 1)),
+        closed_form("closed form f64", view, |g| first_root_f64(g, 0)),
     ];
-    ways.extend([8, 16, 32, 64, 256].map(|steps| {
-        way(format!("sphere tracing {steps}"), move |a, b, cells| {
-            trace_with((a, b), &camera, cells, |rays| sphere_trace(rays, steps));
+    ways.extend([8, 16, 32, 64, 256].map(|most_steps| {
+        way(format!("sphere tracing {most_steps}"), move |a, b, cells| {
+            trace_with((a, b), &view, cells, |_, rays| sphere_trace(rays, most_steps));
         })
     }));
-    let mut zbuffer = vec![0.0; camera.width * camera.height];
+    let mut zbuffer = vec![0.0; view.width * view.height];
     ways.push(way("donut.c as written", move |a, b, cells| {
-        donut_c(a as f32, b as f32, &camera, &mut zbuffer, cells);
+        donut_c(a as f32, b as f32, &view, &mut zbuffer, cells);
     }));
     ways
 }
 
 /// The wrong cells of each way, and the cells of the donut, over all poses.
-fn wrong_cells(ways: &mut [Way], camera: &Camera) -> (Vec<Wrong>, usize) {
+fn wrong_cells(ways: &mut [Way], view: &View) -> (Vec<Wrong>, usize) {
     let (mut wrong, mut surface) = (vec![Wrong::default(); ways.len()], 0);
     for (a, b) in own_poses(POSES) {
         let oracle = Oracle::new(1.0, 2.0, 5.0, a, b);
-        let rays = (1..camera.height).flat_map(|row| (1..camera.width).map(move |x| (row, x)));
+        let rays = (1..view.height).flat_map(|row| (1..view.width).map(move |x| (row, x)));
         let truth = rays.map(|(row, column)| {
-            let (dx, dy) = direction(camera, column as f64 + 0.5, row as f64 + 0.5);
+            let (dx, dy) = direction(view, column as f64 + 0.5, row as f64 + 0.5);
             let seen = oracle.look(dx, dy).map(|light| light.max(0.0) as usize);
-            (row * camera.width + column, (dx, dy), seen)
+            (row * view.width + column, (dx, dy), seen)
         });
         let truth: Vec<_> = truth.collect();
         surface += truth.iter().filter(|(.., seen)| seen.is_some()).count();
         for (way, wrong) in ways.iter_mut().zip(&mut wrong) {
-            let mut cells = vec![b' '; camera.width * camera.height];
+            let mut cells = vec![b' '; view.width * view.height];
             (way.draw)(a, b, &mut cells);
             for &(cell, (dx, dy), seen) in &truth {
                 let drawn = level(cells[cell]);
@@ -198,8 +195,8 @@ fn wrong_cells(ways: &mut [Way], camera: &Camera) -> (Vec<Wrong>, usize) {
 }
 
 /// Microseconds a frame of each way, as in its row: rounds of all poses, one way after another, until it is time.
-fn micros(ways: &mut [Way], camera: &Camera, seconds: u64) -> Vec<[f64; 3]> {
-    let mut cells = vec![b' '; camera.width * camera.height];
+fn micros(ways: &mut [Way], view: &View, seconds: u64) -> Vec<[f64; 3]> {
+    let mut cells = vec![b' '; view.width * view.height];
     let mut samples = vec![Vec::new(); ways.len()];
     let start = Instant::now();
     loop {
@@ -212,7 +209,7 @@ fn micros(ways: &mut [Way], camera: &Camera, seconds: u64) -> Vec<[f64; 3]> {
             }
         }
         let elapsed = start.elapsed().as_secs();
-        let Camera { width, height, .. } = camera;
+        let View { width, height, .. } = view;
         eprint!("\r{width}x{height}: timed for {elapsed:2} of {seconds} s, then judged ");
         if elapsed >= seconds {
             break;
@@ -227,9 +224,9 @@ fn micros(ways: &mut [Way], camera: &Camera, seconds: u64) -> Vec<[f64; 3]> {
 }
 
 fn measure(mut ways: Vec<Way>, times: usize, seconds: u64) -> Vec<Row> {
-    let camera = enlarged(times);
-    let micros = micros(&mut ways, &camera, seconds);
-    let (wrong, surface) = wrong_cells(&mut ways, &camera);
+    let view = enlarged(times);
+    let micros = micros(&mut ways, &view, seconds);
+    let (wrong, surface) = wrong_cells(&mut ways, &view);
     let rows = ways.into_iter().zip(micros).zip(wrong);
     let rows =
         rows.map(|((way, micros), wrong)| Row { name: way.name, times, micros, wrong, surface });

@@ -5,35 +5,30 @@
 
 use crate::tests::*;
 
-/// Draws as `trace` does, with hits that `first_hits` finds for N times four rays at once.
+/// Draws as `trace` does, with hits that `first_hits` finds for N blocks of rays at once.
 pub fn trace_with<const N: usize>(
     (a, b): (f64, f64),
-    camera: &Camera,
+    view: &View,
     framebuffer: &mut [u8],
-    first_hits: impl Fn(&[Rays; N]) -> [Lanes; N],
+    first_hits: impl Fn(&Torus, &[Rays; N]) -> [Lanes; N],
 ) {
-    let scene = &Scene::DONUT_C;
-    let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
-    let axis = [sin_a * sin_b, -sin_a * cos_b, cos_a];
-    let rows = framebuffer.chunks_exact_mut(camera.width).enumerate();
-    for (row, cells) in rows.skip(1) {
-        let dy = (row as f64 + 0.5 - camera.cy) / camera.k1y;
-        let half = (scene.limb().powi(2) - dy * dy).max(0.0).sqrt() * camera.k1x;
-        let first = (camera.cx - half) as usize;
-        let last = ((camera.cx + half) as usize + 1).min(camera.width);
+    let View { r2, k2, width, cx, cy, k1x, k1y, .. } = *view;
+    let (torus, limb) = (Torus::new(r2, a, b), limb(r2, k2));
+    for (row, cells) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
+        let dy = (row as f64 + 0.5 - cy) / k1y;
+        let half = (limb * limb - dy * dy).max(0.0).sqrt() * k1x;
+        let (first, last) = ((cx - half) as usize, ((cx + half) as usize + 1).min(width));
         for column in (first..last).step_by(N * LANES) {
-            let dx = |ray| ((column + ray) as f64 + 0.5 - camera.cx) / camera.k1x;
-            let rays = std::array::from_fn(|n| {
-                let dx = std::array::from_fn(|lane| dx(n * LANES + lane));
-                Rays::cast(&dx, dy, scene, &axis)
-            });
-            let hits = first_hits(&rays);
-            let blocks = cells[column..].chunks_mut(LANES).zip(&rays).zip(&hits);
+            let dx = |ray| ((column + ray) as f64 + 0.5 - cx) / k1x;
+            let cast = |n| torus.cast(std::array::from_fn(|lane| dx(n * LANES + lane)), dy, k2);
+            let rays = std::array::from_fn(cast);
+            let hits = first_hits(&torus, &rays);
+            let blocks = cells[column..last].chunks_mut(LANES).zip(&rays).zip(&hits);
             for ((cells, rays), hits) in blocks {
-                let luminance = rays.luminance(hits, scene, &axis);
+                let luminance = torus.luminance(rays, hits);
                 for ((cell, &s), luminance) in cells.iter_mut().zip(hits).zip(luminance) {
-                    if s < FAR {
-                        *cell = glyph(luminance.min(1.4));
+                    if s < MISS {
+                        *cell = glyph(RAMP, (8.0 * luminance) as u8);
                     }
                 }
             }
@@ -55,8 +50,9 @@ pub fn sphere_trace(rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes; BLOCKS]
     let lanes = |quantity: fn(&Rays) -> &Lanes| -> [f32; RAYS] {
         std::array::from_fn(|i| quantity(&rays[i / LANES])[i % LANES] as f32)
     };
-    let (q0, z0, uz, h) = (lanes(|r| &r.q0), lanes(|r| &r.z0), lanes(|r| &r.uz), lanes(|r| &r.h));
-    let r2 = Scene::DONUT_C.r2 as f32;
+    let (q0, z0, uz) = (lanes(|r| &r.q0), lanes(|r| &r.z0), lanes(|r| &r.uz));
+    let r2 = View::DONUT_C.r2 as f32;
+    let h = q0.map(|q0| ((1.0 + r2) * (1.0 + r2) - q0).max(0.0).sqrt());
     let mut s = h.map(|h| -h);
     let mut distance = [f32::INFINITY; RAYS];
     for _ in 0..most_steps {
@@ -76,7 +72,7 @@ pub fn sphere_trace(rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes; BLOCKS]
     std::array::from_fn(|n| {
         std::array::from_fn(|lane| {
             let i = n * LANES + lane;
-            select(distance[i] <= tolerance, s[i].into(), FAR)
+            if distance[i] <= tolerance { s[i].into() } else { MISS }
         })
     })
 }
@@ -116,7 +112,7 @@ macro_rules! closed_form {
             } else if far >= 0.0 {
                 (alpha - far.sqrt()) / 2.0
             } else {
-                return FAR;
+                return MISS;
             };
             for _ in 0..newton_steps {
                 s -= (((s * s + p) * s + q) * s + r) / ((4.0 * s * s + 2.0 * p) * s + q);
@@ -132,10 +128,10 @@ closed_form!(first_root_f64, f64);
 /// donut.c's frame expression by expression, with sines and cosines taken for each sample.
 ///
 /// Those that do not change within a loop the compiler may take out of it, as C's may.
-pub fn donut_c(a: f32, b: f32, camera: &Camera, zbuffer: &mut [f32], framebuffer: &mut [u8]) {
+pub fn donut_c(a: f32, b: f32, view: &View, zbuffer: &mut [f32], framebuffer: &mut [u8]) {
     let sin = |angle: f32| f64::from(angle).sin() as f32;
     let cos = |angle: f32| f64::from(angle).cos() as f32;
-    let [cx, cy, k1x, k1y] = [camera.cx, camera.cy, camera.k1x, camera.k1y].map(|k| k as f32);
+    let [cx, cy, k1x, k1y] = [view.cx, view.cy, view.k1x, view.k1y].map(|k| k as f32);
     zbuffer.fill(0.0);
     let mut j = 0.0;
     while f64::from(j) < TAU {
@@ -148,12 +144,12 @@ pub fn donut_c(a: f32, b: f32, camera: &Camera, zbuffer: &mut [f32], framebuffer
             let t = c * h * g - f * e;
             let x = (cx + k1x * ooz * (l * h * m - t * n)) as usize;
             let y = (cy + k1y * ooz * (l * h * n + t * m)) as usize;
-            let o = x + camera.width * y;
+            let o = x + view.width * y;
             let luminance = (f * e - c * d * g) * m - c * d * e - f * g - l * d * n;
-            let inside = camera.height > y && y > 0 && x > 0 && camera.width > x;
+            let inside = view.height > y && y > 0 && x > 0 && view.width > x;
             if inside && ooz > zbuffer[o] {
                 zbuffer[o] = ooz;
-                framebuffer[o] = glyph(luminance.into());
+                framebuffer[o] = glyph(RAMP, (8.0 * luminance) as u8);
             }
             i = advance(i, 0.02);
         }
