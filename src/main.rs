@@ -2,41 +2,67 @@
 //! right in every cell where it is not.
 //!
 //! ```text
-//! Options -> Scene, Camera -> render_frame(a, b) -> framebuffer -> encode -> terminal or pipe
+//! Options -> View -> render_frame(a, b) -> framebuffer -> Output -> terminal or pipe
 //! ```
 //!
-//! # From the circle to the glyph
+//! # How donut.c draws a donut
 //!
-//! Letters are those of the [article] that explains donut.c, and its arithmetic is that of donut.c
-//! itself; where the two differ (the article turns other ways and has y upwards) donut.c wins. x goes
-//! right, y *down*, z away from the viewer, angles are in radians.
-//!
-//! A donut is a circle of radius R1 = 1, the tube, that goes round an axis at a distance of R2 = 2,
-//! the ring. Theta goes round the tube; each of its points has a distance h from the axis and a
-//! height f over the plane of the ring. Phi goes round the ring:
+//! A torus is what a small circle, the tube, leaves behind when it goes round in a large one, the
+//! ring. Here it is cut in two, as the first frame shows it to the viewer:
 //!
 //! ```text
-//! h = R2 + R1 cos theta      point  (h cos phi, h sin phi, f)
-//! f = R1 sin theta           normal (cos theta cos phi, cos theta sin phi, sin theta)
+//!                                .-.
+//!           screen              ( +-)--  R1, the radius of the tube
+//!              |                 '-'
+//!              |                  |
+//!              |                  |      R2, the radius of the ring
+//!              |                  |
+//!  viewer  o---|------------------+---------->  z, the axis of the ring
+//!          :   |                  |
+//!          :   |                 .-.
+//!          :   |                ( + )
+//!          :   |                 '-'
+//!          :.K1.                  :
+//!          :......... K2 .........:
 //! ```
 //!
-//! Turned by A about the x axis and then by B about the z axis, the point is (X, Y, Z):
+//! Theta goes round the tube and phi round the ring, both in small steps. Each pair of them gives a
+//! sample: a point of the surface, and the normal there, which is the direction that the surface
+//! faces. The sample is at the distance h from the axis:
 //!
 //! ```text
-//! t = h sin phi cos A - f sin A      X = h cos phi cos B - t sin B
-//! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
+//! h = R2 + R1 cos theta
+//! point   (h cos phi, h sin phi, R1 sin theta)
+//! normal  (cos theta cos phi, cos theta sin phi, sin theta)
 //! ```
 //!
-//! and so is the normal. The viewer is K2 = 5 away from the centre. What is twice as far looks half
-//! as large, so that a point is seen at X / (Z + K2), Y / (Z + K2), times a scale K1 in cells. Many
-//! points fall into one cell: the nearest shows, whose 1 / (Z + K2), kept for each cell in a z-buffer,
-//! is the largest.
+//! The donut is turned by the angle A about the x axis, and then by B about the z axis. That takes the
+//! point to (X, Y, Z), and the normal in the same way:
 //!
-//! How bright it is, L, is the normal times the light, (0, -1, -1), which comes from above and from
-//! behind the viewer. That light is sqrt 2 long, so that 8 L reaches 11.3: just the twelve glyphs.
+//! ```text
+//! t = h sin phi cos A - R1 sin theta sin A      X = h cos phi cos B - t sin B
+//! Z = h sin phi sin A + R1 sin theta cos A      Y = h cos phi sin B + t cos B
+//! ```
 //!
-//! Each frame turns A by 0.04 and B by 0.02. That is donut.c, and [`Splat`]. [`trace`] asks the other
-//! way round: not where each point is seen, but what is seen in each cell, along a ray.
+//! From the viewer the point is `z = Z + K2` away. What is twice as far looks half as large, so the
+//! point is seen on the screen at `K1 X / z`, `K1 Y / z`. Many samples are seen in the same cell of
+//! the screen, and the nearest hides the others. To find it, a z-buffer keeps for each cell the largest
+//! 1/z so far.
+//!
+//! The cell shows how bright that sample is. Its luminance L is the product of the normal and the
+//! light, (0, -1, -1), which points up and back to the viewer. As the light is sqrt 2 long, 8 L is
+//! 11.3 at most. Without its fraction that is the place of a glyph in the ramp `.,-~:;=!*#$@`.
+//!
+//! Each frame adds 0.04 to A and 0.02 to B.
+//!
+//! # Two methods
+//!
+//! `classic` is all of that. It asks of each sample in which cell it is seen. `exact` asks the other
+//! way round: it follows the ray through the centre of each cell, and finds what the ray hits first.
+//!
+//! The letters are those of the [article] that explains donut.c. The directions and the arithmetic are
+//! those of donut.c itself, for the article has some of them otherwise: x goes right, y *down*, and z
+//! away from the viewer. Angles are in radians.
 //!
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
@@ -333,9 +359,8 @@ struct Renderer {
     ramp: &'static [u8; 12],
     /// The glyph of each cell: `width * height` bytes, row after row, a blank where no donut is.
     framebuffer: Vec<u8>,
-    /// The sample that each cell shows, 0 where there is none: the bits of its 1/z, and below them
-    /// eight bits for its level. The larger, the nearer: positive floats are in the order of their
-    /// bits.
+    /// The sample that each cell shows, or 0: the bits of its 1/z, and below them eight bits for its
+    /// level. The larger, the nearer, for positive floats are in the order of their bits.
     zbuffer: Vec<u64>,
     /// Made when `splat` first needs them, for they can be many.
     samples: Option<Samples>,
@@ -374,7 +399,7 @@ impl Renderer {
         for &(sin_theta, cos_theta) in &samples.theta {
             let h = cos_theta + r2;
             for phi in &samples.phi {
-                // A loop of formulas alone, which the compiler turns into vectors.
+                // Formulas alone make a loop that the compiler turns into vectors.
                 for i in 0..BLOCK {
                     let (sin_phi, cos_phi) = (phi.sin[i], phi.cos[i]);
                     ooz[i] = 1.0 / (sin_phi * h * sin_a + sin_theta * cos_a + k2);
@@ -386,14 +411,16 @@ impl Renderer {
                         - sin_theta * cos_a
                         - cos_phi * cos_theta * sin_b;
                     let inside = (y < height) & (0 < y) & (0 < x) & (x < width);
-                    cell[i] =
-                        if inside { x + i32::from(width as u16) * i32::from(y as u16) } else { 0 };
+                    // As u16 both fit, and are multiplied faster.
+                    let row = i32::from(width as u16) * i32::from(y as u16);
+                    cell[i] = if inside { x + row } else { 0 };
                     level[i] = truncate(8.0 * luminance.max(0.0)) as u32;
                 }
                 for i in 0..BLOCK {
-                    // Which sample is nearer cannot be predicted: a comparison costs less than a branch.
                     let sample = u64::from(ooz[i].to_bits()) << 8 | u64::from(level[i]);
                     let shown = &mut zbuffer[cell[i] as usize];
+                    // A choice, not a branch: a processor cannot guess which sample is nearer. Of two
+                    // that are equally near the first stays, whatever their levels.
                     *shown = if sample > *shown | 0xff { sample } else { *shown };
                 }
             }
@@ -501,8 +528,7 @@ fn truncate(value: f32) -> i32 {
 
 // ---- exact: rays and a torus ---------------------------------------------------------------------
 
-/// How many rays are solved side by side. One ray's step waits for the division before it; eight
-/// keep the machine busy.
+/// How many rays are solved side by side: while one waits for its division, others go on.
 const LANES: usize = 8;
 /// One number for each of these rays.
 type Lanes = [f64; LANES];
@@ -510,13 +536,14 @@ type Lanes = [f64; LANES];
 /// Where a ray hits that misses.
 const MISS: f64 = f64::INFINITY;
 
-/// A step shorter than this, in units of R1, is the last. Newton's method doubles the digits that are
-/// right with each step, so that about 1e-12 is left. Only for a ray that grazes the donut it gains
-/// a bit a step: there 1e-6 along the ray is 1e-12 across it, and such a ray hits as well as it
-/// misses.
+/// A step shorter than this, in units of R1, is a ray's last.
+///
+/// Each of Newton's steps doubles the digits that are right, so about 1e-12 is left. A ray that grazes
+/// the donut gains only a bit in each step. It may be 1e-6 away from where it comes nearest, but there
+/// it is within 1e-12 of the surface, and may as well hit it as miss it.
 const LAST_STEP: f64 = 1e-6;
-/// No ray has been found that takes more than 40 steps. One that did would hit where it is then: as
-/// no step goes beyond the first root, it would be a ray that grazes the donut.
+/// The most steps that a ray makes. None has been found that needs more than 40. One that does would
+/// graze the donut, as no step goes beyond the first root, and hits it where it is.
 const MOST_STEPS: usize = 64;
 
 /// The donut of one frame, as a ray meets it.
@@ -585,15 +612,16 @@ impl Torus {
         [p, q, r]
     }
 
-    /// Where each ray first hits the donut, as its s.
+    /// The s of each ray's first hit: the first root of its G, found by Newton's method.
     ///
-    /// Newton's method. G is convex but for the stretch between its inflections -w and w, if it has
-    /// any; there it is concave. Where G is convex and falls, a step from outside of the donut never
-    /// goes beyond the first root. Left of -w it may turn out that there is no root: a step goes
-    /// beyond -w, or G rises. The search then goes on from w. If G is positive there, it has had no
-    /// root yet, and is convex from there on. If it is negative, the first root is between -w and w,
-    /// where G is concave and falls, and the steps go back to it without going beyond. Where G rises
-    /// once more, the ray misses.
+    /// G is concave between its inflections -w and w, and convex to both sides of them. (It may have
+    /// no inflections. Then it is convex all over, and w is 0.) The search begins to the left of the
+    /// first root, outside of the donut. As long as G is convex and falls, no step goes beyond the
+    /// first root. If a step goes beyond -w, or if G rises to the left of -w, there is no root so far,
+    /// and the search goes on from w. There are two cases. If G is positive at w, the first root is
+    /// further on, where G is convex again. If G is negative at w, the first root lies between -w and
+    /// w, where G is concave and falls. The steps then go back to the root, and not beyond it. If G
+    /// rises again, there is no root: the ray misses.
     fn first_hits(&self, rays: &Rays) -> Lanes {
         let outer = sphere(self.r2) * sphere(self.r2);
         let mut p = [0.0; LANES];
@@ -602,12 +630,12 @@ impl Torus {
             let (q0, z0, uz) = (rays.q0[i], rays.z0[i], rays.uz[i]);
             [p[i], q[i], r[i]] = self.quartic(q0, z0, uz);
             w[i] = (p[i] / -6.0).max(0.0).sqrt();
-            // The donut is in the sphere, and between the planes z = -1 and z = 1. The search starts
-            // where the ray has entered both: until then there is no root.
+            // The donut is inside of the sphere, and between the planes z = -1 and z = 1. Before the
+            // ray has entered both there is no root.
             let sphere = -(outer - q0).max(0.0).sqrt();
             let planes = -(1.0 + z0 * 1_f64.copysign(uz)) / uz.abs();
             let start = sphere.max(planes);
-            // From between the inflections the search goes as from w, for G is positive at the start.
+            // Between the inflections it may begin at w as well, for G is not negative at the start.
             s[i] = if start > -w[i] { start.max(w[i]) } else { start };
         }
         for _ in 0..MOST_STEPS {
@@ -648,7 +676,7 @@ impl Torus {
     }
 }
 
-// ---- Encoding ------------------------------------------------------------------------------------
+// ---- Output --------------------------------------------------------------------------------------
 
 /// Where frames go to.
 #[derive(Clone, Copy, PartialEq)]
@@ -755,18 +783,18 @@ impl Action {
     }
 }
 
-/// How long the code of a key may pause behind its Esc.
+/// The code of an arrow key begins as Esc does. This is how long the rest of it may take.
 const ESCAPE: Duration = Duration::from_millis(20);
-/// In this time the other threads have surely seen that the terminal was given back.
+/// In this time the other threads surely see that the terminal was given back.
 const SETTLE: Duration = Duration::from_millis(50);
 /// How long the loop waits at most before it looks whether the terminal is still there.
 const LOOK: Duration = Duration::from_millis(500);
-/// Bytes that are written to a terminal at once: a picture of 80x22 is one piece.
+/// How many bytes are written to a terminal at once. A frame of 80x22 is one piece.
 const PIECE: usize = 2048;
 
-/// Standard output and, if it is a terminal, what the donut does with it.
+/// Standard output and, if that is a terminal, who has it.
 ///
-/// The main thread takes the terminal, writes to it and gives it back. Other threads read keys and
+/// The main thread takes the terminal, writes to it, and gives it back. Other threads read keys and
 /// receive signals, and send actions to the main thread.
 struct Screen {
     output: Output,
@@ -851,10 +879,10 @@ impl Screen {
             while !self.taken.load(SeqCst) {
                 thread::sleep(SETTLE);
             }
-            // A new size ends this, also the one that is made up when the terminal is given back.
+            // A new size ends this loop. `give_back` makes one up, for the donut must not read then.
             while let Event::Key(mut key) = event::read()? {
-                // Behind an Esc that was pressed comes no key at once; behind one that begins the code of
-                // some other key, and came first over a slow line, comes the rest.
+                // A person who presses Esc presses nothing else so soon: what follows it is the rest of
+                // another key's code, which came late over a slow line.
                 while cfg!(unix) && key == KeyCode::Esc.into() && event::poll(ESCAPE)? {
                     let Event::Key(next) = event::read()? else { break };
                     key = next;
@@ -877,8 +905,8 @@ impl Screen {
         }
     }
 
-    /// Waits for the main thread to end the program, unless one write takes 0.7 s: then the terminal
-    /// does not read. What it did not read is dropped, so that the main thread can go on.
+    /// Waits for the main thread to end the program. If one write takes 0.7 s, the terminal does not
+    /// read. Then what it has not read is dropped, so that the main thread can go on, and end.
     fn end_if_nobody_reads(&self) -> ! {
         let (mut writes, mut waits) = (0, 0);
         while waits < 7 {
@@ -899,8 +927,8 @@ impl Screen {
         process::exit(1)
     }
 
-    /// Whether the terminal is the donut's to use. In its background it is the shell's or another
-    /// job's: to change its settings there stops the program, with all its threads.
+    /// Whether the donut runs in the foreground of the terminal. In the background the terminal is the
+    /// shell's or another job's, and a program that changes its settings is stopped.
     fn is_in_front(&self) -> io::Result<bool> {
         if self.output == Output::Terminal { system::is_in_front(self.keys) } else { Ok(true) }
     }
@@ -911,7 +939,7 @@ impl Screen {
             return Ok(false);
         }
         if self.keys {
-            // Enabling does nothing while crossterm believes in a raw mode that a shell has undone.
+            // crossterm may believe that raw mode is on, where a shell has ended it since.
             terminal::disable_raw_mode()?;
             terminal::enable_raw_mode()?;
         }
@@ -924,8 +952,8 @@ impl Screen {
         Ok(true)
     }
 
-    /// Gives the terminal back as it was found, if the donut has it. In the background that is all but
-    /// its settings, which the shell has restored.
+    /// Gives the terminal back as it was found, if the donut has it. In the background its settings are
+    /// left alone: the shell has restored them.
     fn give_back(&self) -> io::Result<()> {
         if !self.taken.swap(false, SeqCst) {
             return Ok(());
@@ -945,8 +973,8 @@ impl Screen {
         if in_front || system::may_write_in_background()? { self.write(&bytes) } else { Ok(()) }
     }
 
-    /// Writes a frame: at once on a pipe, and in pieces on a terminal. Once the program is about to
-    /// end, what is left of it is not worth waiting for.
+    /// Writes a frame: at once to a pipe, and in pieces to a terminal. When the program is about to end,
+    /// the rest of the frame is left out.
     fn write_frame(&self, frame: &[u8]) -> io::Result<()> {
         let size = if self.output == Output::Terminal { PIECE } else { frame.len() };
         let mut pieces = frame.chunks(size).take_while(|_| !self.ending.load(SeqCst));
@@ -993,7 +1021,7 @@ mod system {
         match if keys { tcgetpgrp(io::stdin()) } else { tcgetpgrp(io::stdout()) } {
             Ok(group) => Ok(group == getpgrp()),
             Err(Errno::IO) => Err(Errno::IO.into()),
-            // It controls no session of ours: nobody can be in front of us.
+            // A terminal that controls no session has no background.
             Err(_) => Ok(true),
         }
     }
@@ -1003,7 +1031,8 @@ mod system {
         Ok(!tcgetattr(io::stdout())?.local_modes.contains(LocalModes::TOSTOP))
     }
 
-    /// Whether there is a shell to continue what is stopped: none waits for a session's first group.
+    /// Whether a shell waits to continue a program that is stopped. None does where the program belongs
+    /// to the first process of the session.
     pub fn can_suspend() -> bool {
         getsid(None) != Ok(getpgrp())
     }
@@ -1013,7 +1042,7 @@ mod system {
         Ok(kill_current_process_group(Signal::STOP)?)
     }
 
-    /// Has the reader of keys look up from them: crossterm reports a new size.
+    /// Ends a wait for keys: crossterm takes this signal for a new size.
     pub fn wake_reader() {
         let _ = signal_hook::low_level::raise(signal_hook::consts::SIGWINCH);
     }
@@ -1075,8 +1104,8 @@ mod system {
 
 /// The angles A and B, frame after frame.
 ///
-/// The exact clock counts: it is at `origin + frames * spin`. donut.c's adds to a `float` each frame,
-/// so that its origin moves along.
+/// `exact` counts frames: the angles are `origin + frames * spin`. donut.c adds the spin to a `float`
+/// in each frame; for that the sum becomes the origin, and the count stays 0.
 struct Clock {
     origin: [f64; 2],
     frames: u64,
@@ -1094,11 +1123,11 @@ impl Clock {
         [0, 1].map(|i| advance(angles[i] as f32, self.spin[i]).into())
     }
 
-    /// Whether floats still follow the spin, to a tenth.
+    /// Whether the next step of donut.c's clock is right to a tenth of the spin.
     ///
-    /// From 2^17 radians, which A reaches at frame 3,345,245, they turn steps of 0.04 into 0.047;
-    /// at 2^20, from frame 22,918,663, they stand still.
-    fn floats_follow(&self) -> bool {
+    /// A reaches 2^17 at frame 3,345,245: from there on the next `float` after a step of 0.04 is 0.047
+    /// away. It reaches 2^20 at frame 22,918,663, where the step is rounded away and A stands still.
+    fn floats_are_fine(&self) -> bool {
         let (angles, next) = (self.angles(), self.next_floats());
         let error = |i: usize| next[i] - f64::from(angles[i] as f32) - self.spin[i];
         (0..2).all(|i| error(i).abs() <= 0.1 * self.spin[i].abs())
@@ -1114,10 +1143,10 @@ impl Clock {
 }
 
 impl Method {
-    /// What `auto` comes to for this picture.
+    /// The method for this picture: `auto` is decided here.
     fn choose(self, view: &View, clock: &Clock) -> Method {
         match self {
-            Method::Auto if *view == View::DONUT_C && clock.floats_follow() => Method::Classic,
+            Method::Auto if *view == View::DONUT_C && clock.floats_are_fine() => Method::Classic,
             Method::Auto => Method::Exact,
             chosen => chosen,
         }
@@ -1140,7 +1169,7 @@ struct Animation<'a> {
     out: Vec<u8>,
 }
 
-/// Shows the donut until there are frames enough, somebody says stop, or nobody reads any more.
+/// Shows the donut until the last frame is drawn, or somebody ends it, or its reader goes away.
 fn run(options: &Options) -> io::Result<()> {
     if options.frames == Some(0) {
         return Ok(());
@@ -1168,7 +1197,7 @@ fn run(options: &Options) -> io::Result<()> {
 
 /// The time from one frame to the next. At 0 frames a second every frame is due at once.
 fn interval(fps: f64) -> Duration {
-    // 31 years are as good as any longer time.
+    // 31 years are as long as it takes; a longer time may be too long for a Duration.
     Duration::from_secs_f64(if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 })
 }
 
