@@ -346,10 +346,11 @@ const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
 /// The glyphs with the shading off.
 const FLAT: &[u8; 12] = &[b'.'; 12];
 
-/// The glyph of a level, which is eight times the luminance L without its fraction. L goes from
-/// -sqrt 2 to sqrt 2; a surface that is turned away from the light has a negative L, and level 0.
-fn glyph(ramp: &[u8; 12], level: u8) -> u8 {
-    ramp[usize::from(level).min(11)]
+/// The glyph of a luminance L, which is from -sqrt 2 to sqrt 2. What is turned away from the light has
+/// a negative L, and is as dark as can be.
+fn glyph(ramp: &[u8; 12], luminance: f64) -> u8 {
+    // The cast takes all that is below 0 for 0.
+    ramp[usize::from((8.0 * luminance) as u8).min(11)]
 }
 
 /// Draws one picture of the donut after another.
@@ -359,8 +360,10 @@ struct Renderer {
     ramp: &'static [u8; 12],
     /// The glyph of each cell: `width * height` bytes, row after row, a blank where no donut is.
     framebuffer: Vec<u8>,
-    /// The sample that each cell shows, or 0: the bits of its 1/z, and below them eight bits for its
-    /// level. The larger, the nearer, for positive floats are in the order of their bits.
+    /// The nearest sample of each cell, or 0: the bits of its 1/z, and below them its number, counted
+    /// down. The larger is the nearer, for positive floats are in the order of their bits, and of two
+    /// that are equally near it is the first. Rounding at the very edge of the picture may put a sample
+    /// one cell beyond the last.
     zbuffer: Vec<u64>,
     /// Made when `splat` first needs them, for they can be many.
     samples: Option<Samples>,
@@ -369,21 +372,20 @@ struct Renderer {
 impl Renderer {
     fn new(view: View, method: Method) -> Renderer {
         let cells = view.width * view.height;
-        let (framebuffer, zbuffer) = (vec![b' '; cells], vec![0; cells]);
+        let (framebuffer, zbuffer) = (vec![b' '; cells], vec![0; cells + 1]);
         Renderer { view, method, ramp: RAMP, framebuffer, zbuffer, samples: None }
     }
 
     /// Draws the donut, turned by the angles A and B, into the framebuffer.
     fn render_frame(&mut self, a: f64, b: f64) {
         self.framebuffer.fill(b' ');
-        self.zbuffer.fill(0);
         match self.method {
             Method::Classic => self.splat(a as f32, b as f32),
             _ => self.trace(a, b),
         }
     }
 
-    /// `classic`: donut.c's own loops. Of the samples that fall into a cell it shows the nearest.
+    /// `classic`: donut.c's own loops. Of all samples that fall into a cell it shows the nearest.
     ///
     /// All is in f32 and in donut.c's order of operations: another order rounds to other glyphs.
     fn splat(&mut self, a: f32, b: f32) {
@@ -392,10 +394,9 @@ impl Renderer {
         let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
         let ((sin_a, cos_a), (sin_b, cos_b)) = (sin_cos(a), sin_cos(b));
         let samples = self.samples.get_or_insert_with(|| Samples::new(&self.view));
-        let zbuffer = &mut self.zbuffer[..];
-        // Samples outside of the picture go to cell 0, where none is ever nearer.
-        zbuffer[0] = u64::MAX;
-        let (mut ooz, mut level, mut cell) = ([0.0; BLOCK], [0; BLOCK], [0; BLOCK]);
+        let (mut ooz, mut cell) = ([0.0; BLOCK], [0; BLOCK]);
+        self.zbuffer.fill(0);
+        let mut number = u32::MAX;
         for &(sin_theta, cos_theta) in &samples.theta {
             let h = cos_theta + r2;
             for phi in &samples.phi {
@@ -406,28 +407,36 @@ impl Renderer {
                     let t = sin_phi * h * cos_a - sin_theta * sin_a;
                     let x = truncate(cx + k1x * ooz[i] * (cos_phi * h * cos_b - t * sin_b));
                     let y = truncate(cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b));
+                    // Only donut.c's own view cuts anything off: what is seen below its last row.
+                    cell[i] = if y < height { x + width * y } else { 0 };
+                }
+                for i in 0..BLOCK {
+                    let sample = u64::from(ooz[i].to_bits()) << 32 | u64::from(number - i as u32);
+                    let nearest = &mut self.zbuffer[cell[i] as usize];
+                    *nearest = sample.max(*nearest);
+                }
+                number -= BLOCK as u32;
+            }
+        }
+        self.shade((sin_a, cos_a), (sin_b, cos_b));
+    }
+
+    /// Gives each cell the glyph of its nearest sample. donut.c takes the luminance of all samples, and
+    /// shows few of them.
+    fn shade(&mut self, (sin_a, cos_a): (f32, f32), (sin_b, cos_b): (f32, f32)) {
+        let Some(samples) = &self.samples else { return };
+        let width = self.view.width;
+        let rows = self.framebuffer.chunks_exact_mut(width).zip(self.zbuffer.chunks_exact(width));
+        for (cells, nearest) in rows.skip(1) {
+            for (cell, &nearest) in cells.iter_mut().zip(nearest).skip(1) {
+                if nearest > 0 {
+                    let ((sin_theta, cos_theta), (sin_phi, cos_phi)) = samples.get(!nearest as u32);
                     let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
                         - sin_phi * cos_theta * sin_a
                         - sin_theta * cos_a
                         - cos_phi * cos_theta * sin_b;
-                    let inside = (y < height) & (0 < y) & (0 < x) & (x < width);
-                    // As u16 both fit, and are multiplied faster.
-                    let row = i32::from(width as u16) * i32::from(y as u16);
-                    cell[i] = if inside { x + row } else { 0 };
-                    level[i] = truncate(8.0 * luminance.max(0.0)) as u32;
+                    *cell = glyph(self.ramp, luminance.into());
                 }
-                for i in 0..BLOCK {
-                    let sample = u64::from(ooz[i].to_bits()) << 8 | u64::from(level[i]);
-                    let shown = &mut zbuffer[cell[i] as usize];
-                    // A choice, not a branch: a processor cannot guess which sample is nearer. Of two
-                    // that are equally near the first stays, whatever their levels.
-                    *shown = if sample > *shown | 0xff { sample } else { *shown };
-                }
-            }
-        }
-        for (cell, &sample) in self.framebuffer.iter_mut().zip(zbuffer.iter()).skip(1) {
-            if sample > 0 {
-                *cell = glyph(self.ramp, sample as u8);
             }
         }
     }
@@ -451,8 +460,7 @@ impl Renderer {
                     cells[column..last].iter_mut().zip(hits).zip(luminance)
                 {
                     if s < MISS {
-                        // The cast takes what is below 0 for 0.
-                        *cell = glyph(self.ramp, (8.0 * luminance) as u8);
+                        *cell = glyph(self.ramp, luminance);
                     }
                 }
             }
@@ -463,7 +471,7 @@ impl Renderer {
 // ---- classic: donut.c's samples ------------------------------------------------------------------
 
 /// How many values of phi are worked on together.
-const BLOCK: usize = 16;
+const BLOCK: usize = 32;
 
 /// The sines and cosines of theta and phi, from which `splat` makes its samples of the surface.
 struct Samples {
@@ -494,6 +502,14 @@ impl Samples {
             cos: std::array::from_fn(|i| phi[i].1),
         };
         Samples { theta: circle(theta), phi: phi.chunks(BLOCK).map(block).collect() }
+    }
+
+    /// Sine and cosine of theta, and of phi, of a sample by its number.
+    fn get(&self, number: u32) -> ((f32, f32), (f32, f32)) {
+        let number = number as usize;
+        let (block, i) = (number / BLOCK, number % BLOCK);
+        let phi = &self.phi[block % self.phi.len()];
+        (self.theta[block / self.phi.len()], (phi.sin[i], phi.cos[i]))
     }
 }
 
@@ -629,7 +645,7 @@ impl Torus {
         for i in 0..LANES {
             let (q0, z0, uz) = (rays.q0[i], rays.z0[i], rays.uz[i]);
             [p[i], q[i], r[i]] = self.quartic(q0, z0, uz);
-            w[i] = (p[i] / -6.0).max(0.0).sqrt();
+            w[i] = (p[i] * (-1.0 / 6.0)).max(0.0).sqrt();
             // The donut is inside of the sphere, and between the planes z = -1 and z = 1. Before the
             // ray has entered both there is no root.
             let sphere = -(outer - q0).max(0.0).sqrt();

@@ -28,7 +28,7 @@ pub fn trace_with<const N: usize>(
                 let luminance = torus.luminance(rays, hits);
                 for ((cell, &s), luminance) in cells.iter_mut().zip(hits).zip(luminance) {
                     if s < MISS {
-                        *cell = glyph(RAMP, (8.0 * luminance) as u8);
+                        *cell = glyph(RAMP, luminance);
                     }
                 }
             }
@@ -149,7 +149,7 @@ pub fn donut_c(a: f32, b: f32, view: &View, zbuffer: &mut [f32], framebuffer: &m
             let inside = view.height > y && y > 0 && x > 0 && view.width > x;
             if inside && ooz > zbuffer[o] {
                 zbuffer[o] = ooz;
-                framebuffer[o] = glyph(RAMP, (8.0 * luminance) as u8);
+                framebuffer[o] = glyph(RAMP, luminance.into());
             }
             i = advance(i, 0.02);
         }
