@@ -106,3 +106,18 @@ fn truncating_is_the_cast_of_c() {
         assert!(truncate(below) <= 0, "{below}");
     }
 }
+
+#[test]
+fn samples_at_the_very_edge_of_the_picture_do_no_harm() {
+    for (width, height, aspect) in [(2, 2, 2.0), (3, 2, 2.0), (11, 2, 10.0), (40, 5, 10.0)] {
+        let mut renderer =
+            Renderer::new(View::new(width, height, aspect, 2.0, 5.0), Method::Classic);
+        for n in 0..2000 {
+            // Edge-on, and lying or nearly so: some samples are seen just where the donut ends.
+            renderer.render_frame(std::f64::consts::FRAC_PI_2, 0.001 * f64::from(n));
+            let edge =
+                renderer.framebuffer.iter().step_by(width).chain(&renderer.framebuffer[..width]);
+            assert!(edge.clone().all(|&cell| cell == b' '), "{width}x{height}");
+        }
+    }
+}
