@@ -1,14 +1,14 @@
-//! donut.c, Andy Sloane's spinning ASCII torus of 2006: byte for byte where donut.c is right, and
-//! right in every cell where it is not.
+//! donut.c, Andy Sloane's spinning ASCII torus of 2006. At 80x22 this draws donut.c's own picture. At
+//! every other size, where donut.c's way makes errors, it computes each cell exactly.
 //!
 //! ```text
-//! Options -> View -> render_frame(a, b) -> framebuffer -> Output -> terminal or pipe
+//! Options -> View -> render_frame(a, b) -> framebuffer -> Encoder -> terminal or pipe
 //! ```
 //!
 //! # How donut.c draws a donut
 //!
 //! A torus is what a small circle, the tube, leaves behind when it goes round in a large one, the
-//! ring. Here it is cut in two, as the first frame shows it to the viewer:
+//! ring. Here it is in the first frame, cut in two and seen from the side, with the viewer on the left:
 //!
 //! ```text
 //!                                .-.
@@ -26,32 +26,36 @@
 //!          :......... K2 .........:
 //! ```
 //!
-//! Theta goes round the tube and phi round the ring, both in small steps. Each pair of them gives a
-//! sample: a point of the surface, and the normal there, which is the direction that the surface
-//! faces. The sample is at the distance h from the axis:
+//! donut.c has R1 = 1, R2 = 2 and K2 = 5. K1 is 30 columns or 15 rows, for a cell of the screen is
+//! twice as high as it is wide.
+//!
+//! Theta goes round the tube in steps of 0.07, and phi round the ring in steps of 0.02. Each pair of
+//! them gives a sample: a point of the surface, and the normal there, which is the direction that the
+//! surface faces. The sample is at the distance h from the axis, and at the height f over the plane of
+//! the ring:
 //!
 //! ```text
-//! h = R2 + R1 cos theta
-//! point   (h cos phi, h sin phi, R1 sin theta)
-//! normal  (cos theta cos phi, cos theta sin phi, sin theta)
+//! h = R2 + R1 cos theta      point   (h cos phi, h sin phi, f)
+//! f = R1 sin theta           normal  (cos theta cos phi, cos theta sin phi, sin theta)
 //! ```
 //!
 //! The donut is turned by the angle A about the x axis, and then by B about the z axis. That takes the
 //! point to (X, Y, Z), and the normal in the same way:
 //!
 //! ```text
-//! t = h sin phi cos A - R1 sin theta sin A      X = h cos phi cos B - t sin B
-//! Z = h sin phi sin A + R1 sin theta cos A      Y = h cos phi sin B + t cos B
+//! t = h sin phi cos A - f sin A      X = h cos phi cos B - t sin B
+//! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
 //! ```
 //!
 //! From the viewer the point is `z = Z + K2` away. What is twice as far looks half as large, so the
-//! point is seen on the screen at `K1 X / z`, `K1 Y / z`. Many samples are seen in the same cell of
-//! the screen, and the nearest hides the others. To find it, a z-buffer keeps for each cell the largest
+//! point is seen at `K1 X / z`, `K1 Y / z` from the centre of the screen. Many samples are seen in the
+//! same cell, and the nearest hides the others. To find it, a z-buffer keeps for each cell the largest
 //! 1/z so far.
 //!
-//! The cell shows how bright that sample is. Its luminance L is the product of the normal and the
+//! The cell shows how bright that sample is. Its luminance L is the dot product of the normal and the
 //! light, (0, -1, -1), which points up and back to the viewer. As the light is sqrt 2 long, 8 L is
-//! 11.3 at most. Without its fraction that is the place of a glyph in the ramp `.,-~:;=!*#$@`.
+//! 11.3 at most. Without its fraction that is the place of a glyph in the ramp `.,-~:;=!*#$@`, from 0
+//! to 11. Where L is negative, the surface is turned away from the light, and the glyph is the darkest.
 //!
 //! Each frame adds 0.04 to A and 0.02 to B.
 //!
@@ -105,7 +109,7 @@ use signal_hook::{
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // Some people define `alias donut='donut --color cyan'`: what they type after that wins.
 #[command(args_override_self = true)]
-// Values may begin with a hyphen, as negative numbers do. None is the name of a file.
+// Values may begin with a hyphen, as negative numbers do. No value is a file, so completions offer none.
 #[command(mut_args(|arg| arg.allow_hyphen_values(true).value_hint(ValueHint::Other)))]
 struct Options {
     /// Columns [default: all, or 80 in a pipe]
@@ -217,6 +221,7 @@ where
 {
     move |text| {
         let number = text.parse().ok().filter(|number| range.contains(number));
+        // Whole numbers are those that refuse a half.
         let kind = if "0.5".parse::<T>().is_ok() { "number" } else { "whole number" };
         let (low, high) = (range.start(), range.end());
         number.ok_or_else(|| format!("expected a {kind} from {low} to {high}"))
@@ -248,20 +253,20 @@ fn color(text: &str) -> Result<Color, String> {
 
 impl Options {
     /// R2 and K2, in units of R1.
-    fn scene(&self) -> (f64, f64) {
+    fn ratios(&self) -> (f64, f64) {
         (self.r2 / self.r1, self.k2 / self.r1)
     }
 
     /// Why the options do not fit together, if so. It tells the values of all that are concerned, for
     /// any of them may be the wrong one.
     fn refusal(&self) -> Option<String> {
-        let (Options { r1, r2, k2, .. }, scene) = (self, self.scene());
-        let refusal = if !RING.contains(&scene.0) {
+        let (Options { r1, r2, k2, .. }, (ring, distance)) = (self, self.ratios());
+        let refusal = if !RING.contains(&ring) {
             let (least, most) = (RING.start(), RING.end());
             format!("--r2 is {r2}: it must be {least} to {most} times --r1, which is {r1}")
-        } else if scene.1 <= sphere(scene.0) {
+        } else if distance <= sphere(ring) {
             format!("--k2 is {k2}: it must be more than --r1 plus --r2, which is {r1} + {r2}")
-        } else if self.method == Method::Classic && scene != (2.0, 5.0) {
+        } else if self.method == Method::Classic && (ring, distance) != (2.0, 5.0) {
             let others = "--method is classic: it must be exact or auto";
             format!("{others} where --r1, --r2, --k2 are {r1}, {r2}, {k2}, not 1, 2, 5")
         } else {
@@ -316,7 +321,8 @@ impl View {
     const DONUT_C: View =
         View { r2: 2.0, k2: 5.0, width: 80, height: 22, cx: 40.0, cy: 12.0, k1x: 30.0, k1y: 15.0 };
 
-    /// donut.c's own view for its size and lengths; otherwise the largest that cuts off no pose.
+    /// donut.c's own view for its size and lengths; otherwise the largest in which nothing is cut off,
+    /// however the donut is turned.
     /// `aspect` is the height of a cell over its width.
     fn new(width: usize, height: usize, aspect: f64, r2: f64, k2: f64) -> View {
         if (width, height, aspect, r2, k2) == (80, 22, 2.0, 2.0, 5.0) {
@@ -334,7 +340,8 @@ fn sphere(r2: f64) -> f64 {
     1.0 + r2
 }
 
-/// The tangent of the angle from the donut's centre to the limb of that sphere, for the viewer.
+/// The limb is the edge of that sphere, as the viewer sees it. This is the tangent of the angle between
+/// it and the donut's centre.
 fn limb(r2: f64, k2: f64) -> f64 {
     sphere(r2) / ((k2 - sphere(r2)) * (k2 + sphere(r2))).sqrt()
 }
@@ -349,8 +356,20 @@ const FLAT: &[u8; 12] = &[b'.'; 12];
 /// The glyph of a luminance L, which is from -sqrt 2 to sqrt 2. What is turned away from the light has
 /// a negative L, and is as dark as can be.
 fn glyph(ramp: &[u8; 12], luminance: f64) -> u8 {
-    // The cast takes all that is below 0 for 0.
+    // The cast takes all that is below 0 for 0; no other rounding may leave the ramp.
     ramp[usize::from((8.0 * luminance) as u8).min(11)]
+}
+
+/// What the z-buffer keeps of a sample: its 1/z and its number. The nearer sample has the larger entry,
+/// for positive floats are in the order of their bits. Of two that are equally near the first has: that
+/// is why the number is inverted.
+fn entry(ooz: f32, number: u32) -> u64 {
+    u64::from(ooz.to_bits()) << 32 | u64::from(!number)
+}
+
+/// The number of the sample in an entry.
+fn number(entry: u64) -> u32 {
+    !(entry as u32)
 }
 
 /// Draws one picture of the donut after another.
@@ -360,10 +379,8 @@ struct Renderer {
     ramp: &'static [u8; 12],
     /// The glyph of each cell: `width * height` bytes, row after row, a blank where no donut is.
     framebuffer: Vec<u8>,
-    /// The nearest sample of each cell, or 0: the bits of its 1/z, and below them its number, counted
-    /// down. The larger is the nearer, for positive floats are in the order of their bits, and of two
-    /// that are equally near it is the first. Rounding at the very edge of the picture may put a sample
-    /// one cell beyond the last.
+    /// The `entry` of the nearest sample of each cell, or 0. There is one more than cells: at the very
+    /// edge of the picture rounding may put a sample there.
     zbuffer: Vec<u64>,
     /// Made when `splat` first needs them, for they can be many.
     samples: Option<Samples>,
@@ -387,7 +404,8 @@ impl Renderer {
 
     /// `classic`: donut.c's own loops. Of all samples that fall into a cell it shows the nearest.
     ///
-    /// All is in f32 and in donut.c's order of operations: another order rounds to other glyphs.
+    /// All is in f32 and in donut.c's order of operations: another order rounds to other glyphs. `ooz` is
+    /// one over z.
     fn splat(&mut self, a: f32, b: f32) {
         let (width, height) = (self.view.width as i32, self.view.height as i32);
         let View { r2, k2, cx, cy, k1x, k1y, .. } = self.view;
@@ -396,7 +414,7 @@ impl Renderer {
         let samples = self.samples.get_or_insert_with(|| Samples::new(&self.view));
         let (mut ooz, mut cell) = ([0.0; BLOCK], [0; BLOCK]);
         self.zbuffer.fill(0);
-        let mut number = u32::MAX;
+        let mut number = 0;
         for &(sin_theta, cos_theta) in &samples.theta {
             let h = cos_theta + r2;
             for phi in &samples.phi {
@@ -407,22 +425,22 @@ impl Renderer {
                     let t = sin_phi * h * cos_a - sin_theta * sin_a;
                     let x = truncate(cx + k1x * ooz[i] * (cos_phi * h * cos_b - t * sin_b));
                     let y = truncate(cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b));
-                    // Only donut.c's own view cuts anything off: what is seen below its last row.
+                    // Only donut.c's own view cuts anything off. What is seen below its last row goes to
+                    // cell 0, and that is not shown, nor is anything else in row 0 and column 0.
                     cell[i] = if y < height { x + width * y } else { 0 };
                 }
                 for i in 0..BLOCK {
-                    let sample = u64::from(ooz[i].to_bits()) << 32 | u64::from(number - i as u32);
                     let nearest = &mut self.zbuffer[cell[i] as usize];
-                    *nearest = sample.max(*nearest);
+                    *nearest = (*nearest).max(entry(ooz[i], number + i as u32));
                 }
-                number -= BLOCK as u32;
+                number += BLOCK as u32;
             }
         }
         self.shade((sin_a, cos_a), (sin_b, cos_b));
     }
 
-    /// Gives each cell the glyph of its nearest sample. donut.c takes the luminance of all samples, and
-    /// shows few of them.
+    /// Gives each cell the glyph of its nearest sample, for `classic`. The formula is that of L on the
+    /// first page, multiplied out as in donut.c, which takes the luminance of all samples and shows few.
     fn shade(&mut self, (sin_a, cos_a): (f32, f32), (sin_b, cos_b): (f32, f32)) {
         let Some(samples) = &self.samples else { return };
         let width = self.view.width;
@@ -430,7 +448,7 @@ impl Renderer {
         for (cells, nearest) in rows.skip(1) {
             for (cell, &nearest) in cells.iter_mut().zip(nearest).skip(1) {
                 if nearest > 0 {
-                    let ((sin_theta, cos_theta), (sin_phi, cos_phi)) = samples.get(!nearest as u32);
+                    let ((sin_theta, cos_theta), (sin_phi, cos_phi)) = samples.get(number(nearest));
                     let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
                         - sin_phi * cos_theta * sin_a
                         - sin_theta * cos_a
@@ -485,8 +503,8 @@ struct Block {
 }
 
 impl Samples {
-    /// donut.c's steps, made smaller in proportion for a larger picture: the point nearest to the
-    /// viewer again moves by a cell at most in a step. Larger steps would leave holes.
+    /// donut.c's steps, made smaller in proportion for a larger picture. The point nearest to the viewer
+    /// then moves by about a cell in each step, as in donut.c. Larger steps would leave holes.
     fn new(view: &View) -> Samples {
         let shrink = f64::min(1.0, View::DONUT_C.k1x / view.k1x.max(view.k1y));
         Samples::with_steps(0.07 * shrink, 0.02 * shrink)
@@ -555,11 +573,11 @@ const MISS: f64 = f64::INFINITY;
 /// A step shorter than this, in units of R1, is a ray's last.
 ///
 /// Each of Newton's steps doubles the digits that are right, so about 1e-12 is left. A ray that grazes
-/// the donut gains only a bit in each step. It may be 1e-6 away from where it comes nearest, but there
+/// the donut gains only one binary digit in each step. It may be 1e-6 away from where it comes nearest, but there
 /// it is within 1e-12 of the surface, and may as well hit it as miss it.
 const LAST_STEP: f64 = 1e-6;
-/// The most steps that a ray makes. None has been found that needs more than 40. One that does would
-/// graze the donut, as no step goes beyond the first root, and hits it where it is.
+/// The most steps that a ray makes. None has been found that needs more than 40. One that did would
+/// only graze the donut, for no step goes beyond the first root, and it counts as a hit.
 const MOST_STEPS: usize = 64;
 
 /// The donut of one frame, as a ray meets it.
@@ -568,15 +586,15 @@ const MOST_STEPS: usize = 64;
 /// centre, which is the origin, so P0 and U are at right angles. Of a point P three numbers matter:
 ///
 /// ```text
-/// |P|^2 = q0 + s^2      the square of its distance from the centre
-/// z     = z0 + uz s     its height over the plane of the ring
-/// l     = l0 + lu s     its product with the light (0, -1, -1)
+/// |P|^2 = d0 + s^2      the square of its distance from the centre
+/// f     = f0 + fu s     its height over the plane of the ring
+/// l     = l0 + lu s     its dot product with the light (0, -1, -1)
 /// ```
 ///
-/// P is on the surface if it is R1 = 1 away from the ring. At the distance rho from the axis, that is
-/// `(rho - R2)^2 + z^2 = 1`. As `rho^2 = |P|^2 - z^2`, it is `(|P|^2 + R2^2 - 1)^2 = 4 R2^2 rho^2`, and
-/// along the ray `G(s) = s^4 + p s^2 + q s + r = 0`. G is positive outside of the donut. It has no
-/// cubic term, and its coefficients stay small however far away the viewer is, as s counts from P0.
+/// P is on the surface if it is R1 = 1 away from the ring. At the distance h from the axis, that is
+/// `(h - R2)^2 + f^2 = 1`. As `h^2 = |P|^2 - f^2`, it is `(|P|^2 + R2^2 - 1)^2 = 4 R2^2 h^2`, and along
+/// the ray `G(s) = s^4 + p s^2 + q s + r = 0`. G is positive outside of the donut. Because s counts from
+/// P0, there is no cubic term, and the coefficients stay small however far away the viewer is.
 struct Torus {
     r2: f64,
     /// The axis of revolution, of length 1, once the donut is turned by A and B. That is all that can
@@ -587,9 +605,9 @@ struct Torus {
 /// The three numbers of the points on each ray.
 #[derive(Default)]
 struct Rays {
-    q0: Lanes,
-    z0: Lanes,
-    uz: Lanes,
+    d0: Lanes,
+    f0: Lanes,
+    fu: Lanes,
     l0: Lanes,
     lu: Lanes,
 }
@@ -605,67 +623,69 @@ impl Torus {
         let [x, y, z] = self.axis;
         let mut rays = Rays::default();
         for (i, dx) in dx.into_iter().enumerate() {
-            // U is (dx, dy, 1) times cos; P0 is (dx, dy, -square) times near.
-            let square = dx * dx + dy * dy;
-            let cos = 1.0 / (1.0 + square).sqrt();
+            // U is (dx, dy, 1) times cos, and P0 is (dx, dy, -slant) times near.
+            let slant = dx * dx + dy * dy;
+            let cos = 1.0 / (1.0 + slant).sqrt();
             let near = k2 * cos * cos;
-            rays.q0[i] = k2 * near * square;
-            rays.z0[i] = near * (dx * x + dy * y - square * z);
-            rays.uz[i] = cos * (dx * x + dy * y + z);
-            rays.l0[i] = near * (square - dy);
+            rays.d0[i] = k2 * near * slant;
+            rays.f0[i] = near * (dx * x + dy * y - slant * z);
+            rays.fu[i] = cos * (dx * x + dy * y + z);
+            rays.l0[i] = near * (slant - dy);
             rays.lu[i] = -cos * (dy + 1.0);
         }
         rays
     }
 
     /// The coefficients p, q and r of a ray's G.
-    fn quartic(&self, q0: f64, z0: f64, uz: f64) -> [f64; 3] {
+    fn quartic(&self, d0: f64, f0: f64, fu: f64) -> [f64; 3] {
         let (inner, outer) = (self.r2 - 1.0, self.r2 + 1.0);
-        let square = 4.0 * self.r2 * self.r2;
-        let p = 2.0 * (q0 - self.r2 * self.r2 - 1.0) + square * uz * uz;
-        let q = 2.0 * square * z0 * uz;
-        let r = (q0 - inner * inner) * (q0 - outer * outer) + square * z0 * z0;
+        let four = 4.0 * self.r2 * self.r2;
+        let p = 2.0 * (d0 - self.r2 * self.r2 - 1.0) + four * fu * fu;
+        let q = 2.0 * four * f0 * fu;
+        let r = (d0 - inner * inner) * (d0 - outer * outer) + four * f0 * f0;
         [p, q, r]
     }
 
     /// The s of each ray's first hit: the first root of its G, found by Newton's method.
     ///
     /// G is concave between its inflections -w and w, and convex to both sides of them. (It may have
-    /// no inflections. Then it is convex all over, and w is 0.) The search begins to the left of the
-    /// first root, outside of the donut. As long as G is convex and falls, no step goes beyond the
-    /// first root. If a step goes beyond -w, or if G rises to the left of -w, there is no root so far,
-    /// and the search goes on from w. There are two cases. If G is positive at w, the first root is
-    /// further on, where G is convex again. If G is negative at w, the first root lies between -w and
-    /// w, where G is concave and falls. The steps then go back to the root, and not beyond it. If G
-    /// rises again, there is no root: the ray misses.
+    /// no inflections. Then it is convex all over, and w is 0.) The search begins outside of the donut,
+    /// to the left of the first root. Where G is convex and falls, no step goes beyond that root.
+    ///
+    /// 1. To the left of -w a step may go beyond -w, or find G rising. Then there is no root so far, and
+    ///    the search goes on from w.
+    /// 2. If G is positive at w, the first root is further on, where G is convex again. If it rises there,
+    ///    there is no root: the ray misses.
+    /// 3. If G is negative at w, the first root is between -w and w. There G is concave and falls. The
+    ///    steps go back to the root, and not beyond it.
     fn first_hits(&self, rays: &Rays) -> Lanes {
-        let outer = sphere(self.r2) * sphere(self.r2);
+        let radius = sphere(self.r2);
         let mut p = [0.0; LANES];
         let (mut q, mut r, mut w, mut s) = (p, p, p, p);
         for i in 0..LANES {
-            let (q0, z0, uz) = (rays.q0[i], rays.z0[i], rays.uz[i]);
-            [p[i], q[i], r[i]] = self.quartic(q0, z0, uz);
+            let (d0, f0, fu) = (rays.d0[i], rays.f0[i], rays.fu[i]);
+            [p[i], q[i], r[i]] = self.quartic(d0, f0, fu);
             w[i] = (p[i] * (-1.0 / 6.0)).max(0.0).sqrt();
-            // The donut is inside of the sphere, and between the planes z = -1 and z = 1. Before the
+            // The donut is inside of the sphere, and between the planes f = -1 and f = 1. Before the
             // ray has entered both there is no root.
-            let sphere = -(outer - q0).max(0.0).sqrt();
-            let planes = -(1.0 + z0 * 1_f64.copysign(uz)) / uz.abs();
-            let start = sphere.max(planes);
+            let enters_sphere = -(radius * radius - d0).max(0.0).sqrt();
+            let enters_planes = -(1.0 + f0 * 1_f64.copysign(fu)) / fu.abs();
+            let start = enters_sphere.max(enters_planes);
             // Between the inflections it may begin at w as well, for G is not negative at the start.
             s[i] = if start > -w[i] { start.max(w[i]) } else { start };
         }
         for _ in 0..MOST_STEPS {
             let mut searching = false;
             for i in 0..LANES {
-                let square = s[i] * s[i] + p[i];
-                let slope = 2.0 * (square + s[i] * s[i]) * s[i] + q[i];
-                let step = ((square * s[i] + q[i]) * s[i] + r[i]) / slope;
+                let ss = s[i] * s[i];
+                let slope = 2.0 * (ss + p[i] + ss) * s[i] + q[i];
+                let step = (((ss + p[i]) * s[i] + q[i]) * s[i] + r[i]) / slope;
                 let next = s[i] - step;
                 let left = s[i] < -w[i];
-                let lost = (slope >= 0.0) | (left & (next > -w[i]));
-                let restart = if left { w[i] } else { MISS };
-                s[i] = if lost { restart } else { next };
-                searching |= (lost & left) | (!lost & (step.abs() > LAST_STEP));
+                let no_root = (slope >= 0.0) | (left & (next > -w[i]));
+                let go_on = if left { w[i] } else { MISS };
+                s[i] = if no_root { go_on } else { next };
+                searching |= (no_root & left) | (!no_root & (step.abs() > LAST_STEP));
             }
             if !searching {
                 break;
@@ -674,19 +694,19 @@ impl Torus {
         s
     }
 
-    /// The luminance where each ray hits: the surface's normal times the light.
+    /// The luminance where each ray hits: the dot product of the surface's normal and the light.
     ///
-    /// With the axis n the normal at P is `(P - z n) (1 - R2 / rho) + z n`. On the surface rho is
+    /// With the axis n the normal at P is `(P - f n) (1 - R2 / h) + f n`. On the surface h is
     /// `(|P|^2 + R2^2 - 1) / (2 R2)`, which takes no square root.
     fn luminance(&self, rays: &Rays, hits: &Lanes) -> Lanes {
         let r2 = self.r2;
         let axis_light = -(self.axis[1] + self.axis[2]);
         let mut luminance = [0.0; LANES];
         for (i, s) in hits.iter().enumerate() {
-            let z = rays.z0[i] + rays.uz[i] * s;
+            let f = rays.f0[i] + rays.fu[i] * s;
             let light = rays.l0[i] + rays.lu[i] * s;
-            let across = 1.0 - 2.0 * r2 * r2 / (rays.q0[i] + s * s + r2 * r2 - 1.0);
-            luminance[i] = (light - z * axis_light) * across + z * axis_light;
+            let across = 1.0 - 2.0 * r2 * r2 / (rays.d0[i] + s * s + r2 * r2 - 1.0);
+            luminance[i] = (light - f * axis_light) * across + f * axis_light;
         }
         luminance
     }
@@ -714,20 +734,6 @@ impl Output {
             Output::Terminal
         }
     }
-
-    /// What begins a frame that clears the screen, what begins any other frame, what comes before each
-    /// row, and what ends the frame.
-    fn around_rows(self) -> (&'static str, &'static str, &'static str, &'static str) {
-        match self {
-            // donut.c's own bytes.
-            Output::Pipe => ("\x1b[2J\x1b[H", "\x1b[H", "\n", "\n"),
-            // A synchronized update shows no half frame. In raw mode a newline needs its \r.
-            Output::Terminal => {
-                ("\x1b[?2026h\x1b[2J\x1b[H", "\x1b[?2026h\x1b[H", "\r\n", "\x1b[?2026l")
-            }
-            Output::DumbTerminal => ("", "", "\n", "\n"),
-        }
-    }
 }
 
 /// How a framebuffer becomes bytes.
@@ -745,14 +751,23 @@ impl Encoder {
         style::force_color_output(true);
         let color = color.filter(|_| output != Output::DumbTerminal).map(SetForegroundColor);
         let color = color.map(|color| (color.to_string(), "\x1b[0m")).unwrap_or_default();
-        Encoder { output, color, clear: true }
+        Encoder { output, color, clear: output != Output::DumbTerminal }
     }
 
     /// Appends a frame to `out`.
     fn encode(&mut self, framebuffer: &[u8], width: usize, out: &mut Vec<u8>) {
-        let (clear, home, newline, end) = self.output.around_rows();
-        out.extend_from_slice(if self.clear { clear } else { home }.as_bytes());
-        out.extend_from_slice(self.color.0.as_bytes());
+        let (begin, newline, end) = match self.output {
+            // donut.c's own bytes.
+            Output::Pipe => ("", "\n", "\n"),
+            // A synchronized update shows no half frame. In raw mode a newline needs its \r.
+            Output::Terminal => ("\x1b[?2026h", "\r\n", "\x1b[?2026l"),
+            Output::DumbTerminal => ("", "\n", "\n"),
+        };
+        let clear = if self.clear { "\x1b[2J" } else { "" };
+        let home = if self.output == Output::DumbTerminal { "" } else { "\x1b[H" };
+        for text in [begin, clear, home, &self.color.0] {
+            out.extend_from_slice(text.as_bytes());
+        }
         for row in framebuffer.chunks_exact(width) {
             // The newline stands for column 0, which stays empty.
             out.extend_from_slice(newline.as_bytes());
@@ -803,7 +818,8 @@ impl Action {
 const ESCAPE: Duration = Duration::from_millis(20);
 /// In this time the other threads surely see that the terminal was given back.
 const SETTLE: Duration = Duration::from_millis(50);
-/// How long the loop waits at most before it looks whether the terminal is still there.
+/// How long the loop waits at most before it looks again whether the terminal is there, in front, and
+/// as large as before.
 const LOOK: Duration = Duration::from_millis(500);
 /// How many bytes are written to a terminal at once. A frame of 80x22 is one piece.
 const PIECE: usize = 2048;
@@ -811,7 +827,8 @@ const PIECE: usize = 2048;
 /// Standard output and, if that is a terminal, who has it.
 ///
 /// The main thread takes the terminal, writes to it, and gives it back. Other threads read keys and
-/// receive signals, and send actions to the main thread.
+/// receive signals, and send actions to the main thread. After a panic the terminal is given back by
+/// the thread that it happens in.
 struct Screen {
     output: Output,
     /// Standard output without std's line buffer, so that one write is one system call.
@@ -844,7 +861,7 @@ impl Screen {
         })
     }
 
-    /// Starts to send what keys and signals ask for, and has a panic give the terminal back.
+    /// Starts to send what keys and signals ask for, and makes a panic give the terminal back.
     fn watch(self: &Arc<Screen>, sender: &Sender) -> io::Result<()> {
         let (screen, report) = (self.clone(), panic::take_hook());
         panic::set_hook(Box::new(move |panic| {
@@ -865,7 +882,7 @@ impl Screen {
         Ok(())
     }
 
-    /// Every signal that is not left to its default.
+    /// Sends the action that each of these signals asks for.
     fn watch_signals(self: &Arc<Screen>, sender: &Sender) -> io::Result<()> {
         let (screen, quit) = (self.clone(), sender.clone());
         // SIGINT, SIGTERM and SIGHUP.
@@ -891,7 +908,7 @@ impl Screen {
 
     fn read_keys(&self, sender: &Sender) -> io::Result<Infallible> {
         loop {
-            // To read in the background stops the program, with all its threads.
+            // A program that reads in the background is stopped, with all its threads.
             while !self.taken.load(SeqCst) {
                 thread::sleep(SETTLE);
             }
@@ -911,7 +928,7 @@ impl Screen {
         }
     }
 
-    /// Sends an action to the loop. After a Quit it does not return: it watches the end.
+    /// Sends an action to the loop. After a Quit it does not return, but waits until the program ends.
     fn send(&self, sender: &Sender, action: Action) {
         let quit = matches!(action, Action::Quit(_));
         self.ending.fetch_or(quit, SeqCst);
@@ -922,7 +939,8 @@ impl Screen {
     }
 
     /// Waits for the main thread to end the program. If one write takes 0.7 s, the terminal does not
-    /// read. Then what it has not read is dropped, so that the main thread can go on, and end.
+    /// read. Then what it has not read is dropped, so that the main thread can go on, and end. If it
+    /// still does not, this ends the program.
     fn end_if_nobody_reads(&self) -> ! {
         let (mut writes, mut waits) = (0, 0);
         while waits < 7 {
@@ -1120,8 +1138,8 @@ mod system {
 
 /// The angles A and B, frame after frame.
 ///
-/// `exact` counts frames: the angles are `origin + frames * spin`. donut.c adds the spin to a `float`
-/// in each frame; for that the sum becomes the origin, and the count stays 0.
+/// They are `origin + frames * spin`. `exact` counts the frames. donut.c adds the spin to a `float` in
+/// each frame, so for `classic` the sum becomes the new origin, and the count stays 0.
 struct Clock {
     origin: [f64; 2],
     frames: u64,
@@ -1141,8 +1159,8 @@ impl Clock {
 
     /// Whether the next step of donut.c's clock is right to a tenth of the spin.
     ///
-    /// A reaches 2^17 at frame 3,345,245: from there on the next `float` after a step of 0.04 is 0.047
-    /// away. It reaches 2^20 at frame 22,918,663, where the step is rounded away and A stands still.
+    /// From frame 3,345,245 on, where A reaches 2^17, a step of 0.04 is rounded to 0.047. From frame
+    /// 22,918,663 on, where it reaches 2^20, the step is rounded to 0, and A stands still.
     fn floats_are_fine(&self) -> bool {
         let (angles, next) = (self.angles(), self.next_floats());
         let error = |i: usize| next[i] - f64::from(angles[i] as f32) - self.spin[i];
@@ -1213,20 +1231,32 @@ fn run(options: &Options) -> io::Result<()> {
 
 /// The time from one frame to the next. At 0 frames a second every frame is due at once.
 fn interval(fps: f64) -> Duration {
-    // 31 years are as long as it takes; a longer time may be too long for a Duration.
+    // 31 years are long enough. A longer time may not fit into a Duration.
     Duration::from_secs_f64(if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 })
 }
 
 /// The view for the size of the options, clipped to the terminal.
-fn fit(options: &Options, output: Output, (columns, rows): (u16, u16)) -> View {
+fn view(options: &Options, output: Output, (columns, rows): (u16, u16)) -> View {
     let clip = |asked: Option<u16>, most: u16| match asked {
         Some(asked) if output == Output::Pipe => asked,
         asked => asked.unwrap_or(4096).min(most),
     };
     let width = clip(options.width, columns);
     let height = clip(options.height, rows.saturating_sub(2).max(1));
-    let (r2, k2) = options.scene();
+    let (r2, k2) = options.ratios();
     View::new(width.into(), height.into(), options.aspect, r2, k2)
+}
+
+/// Drops the actions that come within 50 ms, but for a Quit, which it returns.
+fn drop_actions(actions: &Receiver) -> io::Result<Option<Option<i32>>> {
+    let end = Instant::now() + SETTLE;
+    let wait = || end.saturating_duration_since(Instant::now());
+    while let Ok(action) = actions.recv_timeout(wait()) {
+        if let Action::Quit(signal) = action? {
+            return Ok(Some(signal));
+        }
+    }
+    Ok(None)
 }
 
 impl Animation<'_> {
@@ -1237,7 +1267,7 @@ impl Animation<'_> {
             options,
             screen,
             size,
-            renderer: Renderer::new(fit(options, output, size), options.method),
+            renderer: Renderer::new(view(options, output, size), options.method),
             clock: Clock { origin: [options.a, options.b], frames: 0, spin: options.spin },
             encoder: Encoder::new(output, options.color),
             paused: false,
@@ -1246,12 +1276,13 @@ impl Animation<'_> {
         })
     }
 
-    /// Draws frames as they come due, and obeys in between. Returns the signal that ended it, if any.
+    /// donut.c's `for (;;)`: draws a frame when it is due, and obeys in between. Returns the signal that
+    /// ended it, if any.
     fn play(&mut self, actions: &Receiver) -> io::Result<Option<i32>> {
         let interval = interval(self.options.fps);
         let (mut frames, mut wait) = (0, Duration::ZERO);
         while frames < self.options.frames.unwrap_or(u64::MAX) {
-            // All that waits is obeyed before the next drawing.
+            // All waiting actions are obeyed before the next drawing.
             let first = actions.recv_timeout(wait).ok();
             let mut redraw = first.is_some();
             for action in first.into_iter().chain(actions.try_iter()) {
@@ -1281,8 +1312,8 @@ impl Animation<'_> {
                 self.due = (self.due + interval).max(Instant::now());
                 frames += 1;
             }
-            let left = self.due.saturating_duration_since(Instant::now());
-            wait = if self.paused { LOOK } else { left.min(LOOK) };
+            let until_due = self.due.saturating_duration_since(Instant::now());
+            wait = if self.paused { LOOK } else { until_due.min(LOOK) };
         }
         Ok(None)
     }
@@ -1295,7 +1326,7 @@ impl Animation<'_> {
                 self.renderer.ramp = if self.renderer.ramp == RAMP { FLAT } else { RAMP };
             }
             Action::Redraw => self.encoder.clear = true,
-            // Whoever had the terminal meanwhile: the loop takes it anew.
+            // Others may have used the terminal meanwhile. Once it is given back, the loop takes it again.
             Action::Resume => self.screen.give_back()?,
             Action::Suspend if system::can_suspend() => return self.suspend(actions),
             Action::Suspend => {}
@@ -1306,22 +1337,14 @@ impl Animation<'_> {
     /// Gives the terminal back and stops, until the shell says `fg` or `bg`.
     fn suspend(&mut self, actions: &Receiver) -> io::Result<ControlFlow<Option<i32>>> {
         self.screen.give_back()?;
-        for stop in [true, false] {
-            // Before the stop the reader of keys must have seen that it may no longer read. What was
-            // pressed around the stop is dropped: a second Ctrl-Z must not stop it at once again.
-            let end = Instant::now() + SETTLE;
-            while let Ok(action) =
-                actions.recv_timeout(end.saturating_duration_since(Instant::now()))
-            {
-                if let Action::Quit(signal) = action? {
-                    return Ok(ControlFlow::Break(signal));
-                }
-            }
-            if stop {
-                system::suspend()?;
-            }
+        // The reader of keys must see first that it may not read in the background.
+        if let Some(signal) = drop_actions(actions)? {
+            return Ok(ControlFlow::Break(signal));
         }
-        Ok(ControlFlow::Continue(()))
+        system::suspend()?;
+        // A second Ctrl-Z that was pressed around the stop must not stop it at once again.
+        let quit = drop_actions(actions)?;
+        Ok(quit.map_or(ControlFlow::Continue(()), ControlFlow::Break))
     }
 
     /// Makes the picture fit the terminal. True if its size has changed.
@@ -1330,7 +1353,7 @@ impl Animation<'_> {
         let changed = size != self.size;
         if changed {
             (self.size, self.encoder.clear) = (size, true);
-            let view = fit(self.options, self.screen.output, size);
+            let view = view(self.options, self.screen.output, size);
             if view != self.renderer.view {
                 let ramp = self.renderer.ramp;
                 self.renderer = Renderer { ramp, ..Renderer::new(view, self.options.method) };

@@ -257,8 +257,8 @@ fn a_third_turn_changes_nothing_that_is_seen() {
 fn error(torus: &Torus, k2: f64, dx: f64, dy: f64) -> Option<f64> {
     let rays = torus.cast([dx; LANES], dy, k2);
     let s = torus.first_hits(&rays)[0];
-    let z = rays.z0[0] + rays.uz[0] * s;
-    let rho = (rays.q0[0] + s * s - z * z).sqrt();
+    let z = rays.f0[0] + rays.fu[0] * s;
+    let rho = (rays.d0[0] + s * s - z * z).sqrt();
     (s < MISS).then(|| (f64::hypot(rho - torus.r2, z) - 1.0).abs())
 }
 

@@ -127,7 +127,7 @@ fn program(name: impl Into<String>, mut renderer: Renderer) -> Way {
 fn closed_form(name: &str, view: View, first_root: impl Fn([f64; 3]) -> f64 + 'static) -> Way {
     way(name, move |a, b, cells| {
         trace_with((a, b), &view, cells, |torus, [rays]: &[Rays; 1]| {
-            let root = |i| first_root(torus.quartic(rays.q0[i], rays.z0[i], rays.uz[i]));
+            let root = |i| first_root(torus.quartic(rays.d0[i], rays.f0[i], rays.fu[i]));
             [std::array::from_fn(root)]
         });
     })

@@ -50,7 +50,7 @@ pub fn sphere_trace(rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes; BLOCKS]
     let lanes = |quantity: fn(&Rays) -> &Lanes| -> [f32; RAYS] {
         std::array::from_fn(|i| quantity(&rays[i / LANES])[i % LANES] as f32)
     };
-    let (q0, z0, uz) = (lanes(|r| &r.q0), lanes(|r| &r.z0), lanes(|r| &r.uz));
+    let (q0, z0, uz) = (lanes(|r| &r.d0), lanes(|r| &r.f0), lanes(|r| &r.fu));
     let r2 = View::DONUT_C.r2 as f32;
     let h = q0.map(|q0| ((1.0 + r2) * (1.0 + r2) - q0).max(0.0).sqrt());
     let mut s = h.map(|h| -h);
