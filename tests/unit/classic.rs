@@ -1,3 +1,5 @@
+//! `classic`: the parts that its picture is made of, and where that picture differs from the truth.
+
 use super::*;
 
 /// Cells that show something for one frame only, going back to what they were, each frame.
@@ -82,6 +84,43 @@ fn the_steps_shrink_with_the_height_of_flat_cells_as_well() {
     let view = View::new(100, 400, 0.25, 2.0, 5.0);
     let (holes, through) = holes_and_see_through(Renderer::new(view, Method::Classic));
     assert!(holes == 0 && through < 100, "{holes} {through}");
+}
+
+#[test]
+fn samples_beyond_an_edge_of_the_picture_are_not_drawn() {
+    // Each time the donut sticks out on another side. A sample out there that is taken for one inside
+    // is drawn in row 0, in column 0, or at the other end of a row.
+    for (right, down) in [(-37.0, 0.0), (37.0, 0.0), (0.0, -9.0), (0.0, 9.0)] {
+        let (cx, cy) = (View::DONUT_C.cx + right, View::DONUT_C.cy + down);
+        let framebuffer = draw(Method::Classic, View { cx, cy, ..View::DONUT_C }, 1.0, 0.5);
+        let drawn = (0..1760).filter(|&cell| framebuffer[cell] != b' ');
+        assert!(drawn.clone().count() > 100);
+        for (row, column) in drawn.map(|cell| (cell / 80, cell % 80)) {
+            // The donut reaches 22.5 columns and 11.25 rows from its centre.
+            let near = (column as f64 - cx).abs() < 24.0 && (row as f64 - cy).abs() < 13.0;
+            assert!(near && row > 0 && column > 0, "{right} {down}: {column}, {row}");
+        }
+    }
+}
+
+#[test]
+fn products_of_the_luminance_are_multiplied_in_donut_cs_order() {
+    // donut.c's frame 53,167 is the first in which `sin_phi * (cos_theta * cos_a)` shows: as `$`.
+    let framebuffer =
+        draw(Method::Classic, View::DONUT_C, 2_127.510_74_f32.into(), 1_063.755_37_f32.into());
+    assert_eq!(framebuffer[80 * 3 + 53], b'@');
+}
+
+#[test]
+fn steps_of_any_size_go_once_round_the_circle() {
+    for step in [0.07, 0.02, 0.01, 0.001, 0.0001] {
+        let samples = circle(step);
+        let (sin, cos) = *samples.last().unwrap();
+        // What is left from the last sample to the first is at most a step, up to rounding.
+        let left = f64::from(-sin).atan2(cos.into());
+        assert!(left > 0.0 && left < 1.01 * step, "{step}: {left}");
+        assert!((samples.len() as f64 - TAU / step).abs() < 1.0 + 0.01 * TAU / step, "{step}");
+    }
 }
 
 #[test]

@@ -1,7 +1,12 @@
+//! `exact`: every cell shows what the oracle sees at its centre.
+//!
+//! Along a ray, the quartic G falls and rises once or twice: it has one valley, or a left and a right
+//! one. The ray hits the donut where G first falls to 0.
+
 use super::*;
 use oracle::dot;
 use proptest::prelude::*;
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
 
 /// Numbers in 0..1 that are the same in every run.
 struct Random(u64);
@@ -30,12 +35,12 @@ fn look(torus: &Torus, k2: f64, dx: f64, dy: f64) -> Option<f64> {
     (hits[0] < MISS).then_some(8.0 * luminance)
 }
 
-/// The same for donut.c's donut, turned by A and B.
+/// What it sees of donut.c's donut, turned by A and B.
 fn look_at(a: f64, b: f64, dx: f64, dy: f64) -> Option<f64> {
     look(&Torus::new(2.0, a, b), 5.0, dx, dy)
 }
 
-/// Draws poses and compares every cell with the oracle.
+/// Draws the donut at these angles A and B, and compares every cell with the oracle.
 fn compare(view: View, poses: &[(f64, f64)]) -> Tally {
     let mut renderer = Renderer::new(view, Method::Exact);
     let mut tally = Tally::default();
@@ -54,7 +59,7 @@ fn a_million_random_rays_see_what_the_oracle_sees() {
         let (a, b) = (random.between(-10.0, 10.0), random.between(-10.0, 10.0));
         let oracle = Oracle::new(1.0, 2.0, 5.0, a, b);
         for _ in 0..1000 {
-            // Just beyond the limb, which is seen under 0.75.
+            // Up to just beyond the donut, which ends at 0.75 at the latest.
             let (dx, dy) = (random.between(-0.76, 0.76), random.between(-0.76, 0.76));
             let seen = look_at(a, b, dx, dy);
             let drawn = seen.map(|luminance| luminance.max(0.0) as usize);
@@ -74,7 +79,7 @@ fn sixty_poses_at_six_sizes_have_no_wrong_cell() {
 
 #[test]
 fn cells_where_other_methods_fail_are_right() {
-    // Frame of donut.c at 80x22, cell, and the level there (0 to 11, or nothing).
+    // A frame of donut.c at 80x22, a cell's column and row, and the level there, if not blank.
     let cells = [
         (0, 33, 2, None),      // inked by a splat, which any touch of the cell inks
         (0, 33, 7, Some(3)),   // 5 with a splat, whose nearest sample is at the cell's edge
@@ -105,8 +110,27 @@ fn a_luminance_on_the_border_of_two_glyphs_falls_on_the_right_side() {
 }
 
 #[test]
+fn no_luminance_has_a_glyph_beyond_the_ramp() {
+    for level in 0..=u8::MAX {
+        let expected = if level < 12 { RAMP[usize::from(level)] } else { b'@' };
+        assert_eq!(glyph(RAMP, level), expected, "{level}");
+    }
+    for (luminance, expected) in [
+        (f64::NAN, b'.'),
+        (f64::NEG_INFINITY, b'.'),
+        (-SQRT_2, b'.'),
+        (SQRT_2, b'@'),
+        (1e300, b'@'),
+        (f64::INFINITY, b'@'),
+    ] {
+        assert_eq!(glyph(RAMP, (8.0 * luminance) as u8), expected, "{luminance}");
+    }
+}
+
+#[test]
 fn a_flat_left_valley_does_not_hide_the_right_one() {
-    // A Newton step from the left valley jumps far beyond the right one here.
+    // The left valley has no root, and its bottom is so flat that a Newton step from there jumps far
+    // beyond the right valley.
     let (a, b) = (4.309330, 2.323927);
     let (dx, dy) = direction(&enlarged(15), 482.225, 170.230);
     let seen = look_at(a, b, dx, dy).expect("a hit");
@@ -136,26 +160,27 @@ fn multiples_of_an_eighth_turn_have_no_wrong_cell() {
     compare(fitted(101, 30), &poses).assert_right();
 }
 
-/// A torus whose axis is upright in the picture, as no rounded angle A makes it.
+/// A torus whose axis is exactly upright in the picture. No angle A that is a float makes it so.
 fn edge_on() -> Torus {
     Torus { r2: 2.0, axis: [0.0, -1.0, 0.0] }
 }
 
 #[test]
 fn a_ray_in_the_plane_of_the_ring_hits_the_outer_equator() {
-    // Exactly edge-on z0, uz and q are 0, and G has two equal valleys. The nearest point of the
-    // equator, and all of it, is lit from the front and not from above: 8 L is 8 cos of its angle.
+    // Here z0, uz and q are exactly 0, and the two valleys of G are equal. The outer equator is a
+    // circle of radius 3. Its normal at (X, 0, Z) is (X, 0, Z) / 3, so that 8 L is -8 Z / 3.
     for dx in [0.0_f64, 0.3] {
-        let (distance, near) = (5.0 / (1.0 + dx * dx).sqrt(), 5.0 * dx / (1.0 + dx * dx).sqrt());
-        let s = distance - (9.0 - near * near).sqrt();
-        let z = s / (1.0 + dx * dx).sqrt() - 5.0;
+        let length = (1.0 + dx * dx).sqrt();
+        let (along, aside) = (5.0 / length, 5.0 * dx / length);
+        let way = along - (9.0 - aside * aside).sqrt();
+        let z = way / length - 5.0;
         let seen = look(&edge_on(), 5.0, dx, 0.0).unwrap();
         assert!((seen - 8.0 * -z / 3.0).abs() < 1e-9, "{seen} {z}");
     }
 }
 
 #[test]
-fn rays_that_touch_the_bounding_sphere_do_no_harm() {
+fn rays_that_touch_the_bounding_sphere_miss_or_have_a_finite_luminance() {
     let limb = limb(2.0, 5.0);
     for n in 0..1000 {
         let (sin, cos) = (0.01 * f64::from(n)).sin_cos();
@@ -164,7 +189,7 @@ fn rays_that_touch_the_bounding_sphere_do_no_harm() {
             assert!(seen.is_none_or(f64::is_finite));
         }
     }
-    // In the plane of the ring it touches the torus itself, and may hit or miss.
+    // This one touches the donut as well, and may hit or miss.
     let seen = look(&edge_on(), 5.0, limb, 0.0);
     assert!(seen.is_none_or(f64::is_finite));
 }
@@ -192,7 +217,7 @@ fn far_near_thin_closed_large_and_tiny_scenes_have_no_wrong_cell() {
 }
 
 #[test]
-fn no_size_from_1x1_to_1280x352_has_holes_or_shows_the_far_wall() {
+fn sizes_from_1x1_to_1280x352_have_no_wrong_cell() {
     let mut tally = Tally::default();
     let small = (1..=40).flat_map(|width| (1..=20).map(move |height| (width, height)));
     let large = [(79, 22), (81, 23), (200, 60), (300, 20), (30, 200), (640, 176), (1280, 352)];
@@ -216,7 +241,7 @@ fn pictures_of_one_row_or_one_column_are_blank() {
 }
 
 #[test]
-fn upright_it_is_its_own_mirror_image() {
+fn a_donut_that_is_not_turned_is_its_own_mirror_image() {
     for view in [enlarged(1), enlarged(4), fitted(101, 30), fitted(200, 61)] {
         let framebuffer = draw(Method::Exact, view, 0.0, 0.0);
         let across = 2.0 * view.cx - 1.0;
@@ -231,7 +256,7 @@ fn upright_it_is_its_own_mirror_image() {
 
 #[test]
 fn a_third_turn_changes_nothing_that_is_seen() {
-    // torus.cpp turns about y, x and z, at three speeds.
+    // First the donut turns about y, then about x, then about z. Two angles lead to the same axis.
     for time in [0.3, 1.0, 2.5, 7.0, 31.0] {
         let turn = |[x, y]: [f64; 2], angle: f64| {
             let (sin, cos) = f64::sin_cos(angle);
@@ -262,9 +287,14 @@ fn error(torus: &Torus, k2: f64, dx: f64, dy: f64) -> Option<f64> {
     (s < MISS).then(|| (f64::hypot(rho - torus.r2, z) - 1.0).abs())
 }
 
-/// Rays that graze the donut are where Newton's method is slow, and where a step too few or too many
-/// changes the picture. Random rays are never among them: these are found by halving the way between
-/// two poses, or two rays, of which one hits what the other does not.
+/// Rays that graze the donut take Newton's method the most steps. If the search ends too early for
+/// them, the picture is wrong. Random rays are never among them, so this test searches for them:
+/// between a ray that hits and one that misses, or that hits far away from it, there is one that
+/// grazes. Halving the way between the two, in the angle A and in dx, leads there.
+///
+/// It found that a last step of 1e-5 draws cells where no donut is, and so do 12 steps at most; that
+/// after 20 steps a ray can be a whole R1 away from the surface, and that 30 are enough. The last
+/// step of 1e-6 leaves a hit 1e-12 from the surface, at the most.
 #[test]
 fn rays_between_a_hit_and_a_miss_are_right() {
     let mut random = Random(2011);
@@ -273,11 +303,11 @@ fn rays_between_a_hit_and_a_miss_are_right() {
         [(2.0, 5.0), (2.0, 3.01), (2.0, 1e6), (CLOSED, 5.0), (1.1, 50.0), (1000.0, 1500.0)]
     {
         let limb = limb(r2, k2);
-        for n in 0..60 {
+        for n in 0..150 {
             let (b, dy) = (random.between(0.0, 7.0), limb * random.between(-1.0, 1.0));
             let [near, far] = [(); 2].map(|_| match n % 3 {
-                // Nearly edge-on and nearly flat, many rays have a double root or two.
                 0 => (random.between(0.0, 7.0), limb * random.between(-1.0, 1.0)),
+                // Nearly edge-on, and nearly flat before the viewer, many rays graze.
                 1 => (FRAC_PI_2 + random.between(-1e-3, 1e-3), 0.0),
                 _ => (random.between(-1e-3, 1e-3), limb * random.between(-1.0, 1.0)),
             });
@@ -301,8 +331,8 @@ fn rays_between_a_hit_and_a_miss_are_right() {
                     low = middle
                 }
                 let drawn = seen.map(|light| light.max(0.0) as usize);
-                // The oracle takes its time over such rays.
-                if step % 4 == 0 && step > 20 {
+                // From step 40 on the rays pass the surface so near that the oracle cannot tell.
+                if step % 4 == 0 && (16..40).contains(&step) {
                     tally.count(Oracle::new(1.0, r2, k2, a, b).judge(dx, dy, drawn));
                 }
                 tally.surface += usize::from(drawn.is_some());
@@ -311,7 +341,7 @@ fn rays_between_a_hit_and_a_miss_are_right() {
         }
     }
     println!("{tally:?}, {worst} from the surface");
-    assert!(tally.cells > 500 && tally.wrong() == 0 && worst < 1e-9, "{tally:?} {worst}");
+    assert!(tally.cells > 1500 && tally.wrong() == 0 && worst < 1e-9, "{tally:?} {worst}");
 }
 
 #[test]
@@ -323,7 +353,7 @@ fn no_pose_is_cut_off_and_the_donut_is_as_large_as_it_can_be() {
                 let (dx, dy) = direction(&view, x, y);
                 Oracle::new(1.0, r2, k2, a, b).look(dx, dy).is_some()
             };
-            // Round the edge of what is shown, and a little further.
+            // No ray just outside of the picture's edges hits.
             let (w, h) = (width as f64, height as f64);
             let (left, right, top, bottom) = (0.999, w + 0.001, 0.999, h + 0.001);
             for (a, b) in own_poses(12) {
@@ -333,7 +363,7 @@ fn no_pose_is_cut_off_and_the_donut_is_as_large_as_it_can_be() {
                     assert!(!sees(a, b, x, top) && !sees(a, b, x, bottom), "{width}x{height}");
                 }
             }
-            // Edge-on it just reaches two sides, lying or upright.
+            // Edge-on, lying or upright, it reaches the edges.
             let inside = 0.001 * (w + h);
             let lying = sees(FRAC_PI_2, 0.0, 1.0 + inside, view.cy);
             let upright = sees(FRAC_PI_2, FRAC_PI_2, view.cx, 1.0 + inside);

@@ -1,4 +1,16 @@
-//! The mathematics, from inside.
+//! The tests that look inside the program. Those in the folder above only run it.
+//!
+//! - `exact.rs`: every cell that `exact` draws shows what the oracle sees there.
+//! - `oracle.rs`: what a ray truly sees, found slowly and in another way than the program's.
+//! - `classic.rs`: what `classic` is built of, and where its picture differs from the truth.
+//! - `clock.rs`: the angles A and B, frame after frame, and which method `auto` then chooses.
+//! - `terminal.rs`: the keys, and what a panic leaves on the terminal.
+//! - `dist.rs`: writes the manual page and the completions of tests/dist, and finds them up to date.
+//! - `chart/`: measures speed and accuracy, and draws the charts of tests/chart: `plot.rs` is how they
+//!   are drawn, `rivals.rs` the other methods that they compare with ours.
+//!
+//! This file has what several of them need: views, poses, and the comparison of a picture with the
+//! oracle.
 
 mod chart;
 mod classic;
