@@ -1,3 +1,5 @@
+//! The angles, frame after frame, and the method that `auto` chooses by them.
+
 use super::*;
 
 const FROZEN: u64 = 22_918_663;
@@ -60,8 +62,27 @@ fn a_donut_that_stands_still_is_classic_wherever_it_stands() {
 #[test]
 fn auto_is_exact_where_floats_cannot_follow_the_spin() {
     for (a, spin) in [(1_048_560.0, 0.04), (1.0, 1e-9), (1.0, -1e-9)] {
-        let clock = Clock { spin: [spin, 0.0], ..clock(a, 0.0) };
-        assert!(Method::Auto.choose(&View::DONUT_C, &clock) == Method::Exact);
+        for clock in [
+            Clock { spin: [spin, 0.0], ..clock(a, 0.0) },
+            Clock { spin: [0.0, spin], ..clock(0.0, a) },
+        ] {
+            assert!(Method::Auto.choose(&View::DONUT_C, &clock) == Method::Exact);
+        }
+    }
+}
+
+#[test]
+fn auto_is_classic_as_long_as_floats_follow_the_spin_to_a_tenth() {
+    // From 2^17 on floats are this far apart, and each of these spins is rounded to one such step.
+    let apart = 0.015_625;
+    for (spin, method) in [
+        (0.92, Method::Classic),
+        (0.90, Method::Exact),
+        (1.10, Method::Classic),
+        (1.12, Method::Exact),
+    ] {
+        let clock = Clock { spin: [apart * spin, 0.0], ..clock(131_072.0, 0.0) };
+        assert!(Method::Auto.choose(&View::DONUT_C, &clock) == method, "{spin}");
     }
 }
 
