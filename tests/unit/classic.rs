@@ -106,8 +106,8 @@ fn samples_beyond_an_edge_of_the_picture_are_not_drawn() {
 #[test]
 fn products_of_the_luminance_are_multiplied_in_donut_cs_order() {
     // donut.c's frame 53,167 is the first in which `sin_phi * (cos_theta * cos_a)` shows: as `$`.
-    let framebuffer =
-        draw(Method::Classic, View::DONUT_C, 2_127.510_74_f32.into(), 1_063.755_37_f32.into());
+    let (a, b) = (2_127.510_7_f32, 1_063.755_4_f32);
+    let framebuffer = draw(Method::Classic, View::DONUT_C, a.into(), b.into());
     assert_eq!(framebuffer[80 * 3 + 53], b'@');
 }
 

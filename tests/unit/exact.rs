@@ -7,6 +7,7 @@ use super::*;
 use oracle::dot;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
+use std::ops::Range;
 
 /// Numbers in 0..1 that are the same in every run.
 struct Random(u64);
@@ -217,6 +218,16 @@ fn far_near_thin_closed_large_and_tiny_scenes_have_no_wrong_cell() {
 }
 
 #[test]
+fn a_viewer_who_nearly_touches_the_donut_sees_no_wrong_cell() {
+    for (r2, gap) in [(2.0, 1e-6), (2.0, 1e-10), (1.001, 1e-10), (50.0, 1e-10)] {
+        let view = View::new(15, 8, 2.0, r2, (1.0 + r2) * (1.0 + gap));
+        let poses = [0.0, 1e-7, -1e-4].map(|hair| (FRAC_PI_2 + hair, 0.3));
+        let tally = compare(view, &poses);
+        assert!(tally.surface > 0 && tally.wrong() == 0, "R2 {r2}, gap {gap}: {tally:?}");
+    }
+}
+
+#[test]
 fn sizes_from_1x1_to_1280x352_have_no_wrong_cell() {
     let mut tally = Tally::default();
     let small = (1..=40).flat_map(|width| (1..=20).map(move |height| (width, height)));
@@ -390,6 +401,15 @@ fn angle() -> impl Strategy<Value = f64> {
     prop_oneof![-1e9..=1e9, near]
 }
 
+/// The angle A, and how far the viewer is from the sphere round the donut, over its radius.
+///
+/// To a viewer who nearly touches the donut and sees it nearly edge-on, nearly all rays graze. There
+/// the oracle takes up to a minute for a picture, so that these two are seldom drawn together.
+fn angle_and_gap() -> impl Strategy<Value = (f64, f64)> {
+    let gap = |exponents: Range<f64>| exponents.prop_map(|exponent| 10_f64.powf(exponent));
+    prop_oneof![3 => (angle(), gap(-8.0..6.0)), 1 => (-1e9..=1e9, gap(-15.0..-8.0))]
+}
+
 proptest! {
     // A case that fails is printed, not kept in the tree.
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
@@ -398,14 +418,13 @@ proptest! {
     fn anywhere_in_the_domain_of_the_options_the_picture_is_right(
         (width, height) in (1_usize..70, 1_usize..40),
         aspect in 0.1..=10.0,
-        (a, b) in (angle(), angle()),
+        ((a, gap), b) in (angle_and_gap(), angle()),
         r2 in prop_oneof![
             (0.0..3.0_f64).prop_map(|exponent| CLOSED * 10_f64.powf(exponent)),
             (-6.0..0.0_f64).prop_map(|exponent| CLOSED + 10_f64.powf(exponent)),
         ],
-        beyond in (-15.0..6.0_f64).prop_map(|exponent| 10_f64.powf(exponent)),
     ) {
-        let k2 = (1.0 + r2) * (1.0 + beyond);
+        let k2 = (1.0 + r2) * (1.0 + gap);
         let view = View::new(width, height, aspect, r2, k2);
         let tally = compare(view, &[(a, b)]);
         prop_assert_eq!(tally.wrong(), 0, "{:?}", tally);
