@@ -671,8 +671,8 @@ impl Torus {
             let enters_sphere = -(radius * radius - d0).max(0.0).sqrt();
             let enters_planes = -(1.0 + f0 * 1_f64.copysign(fu)) / fu.abs();
             let start = enters_sphere.max(enters_planes);
-            // Between the inflections it may begin at w as well, for G is not negative at the start.
-            s[i] = if start > -w[i] { start.max(w[i]) } else { start };
+            // From beyond -w it may begin at w as well, for G is not negative before the donut.
+            s[i] = if start > -w[i] { w[i] } else { start };
         }
         for _ in 0..MOST_STEPS {
             let mut searching = false;
