@@ -1029,111 +1029,6 @@ impl Screen {
     }
 }
 
-/// What differs between operating systems.
-#[cfg(unix)]
-mod system {
-    use std::fs::File;
-    use std::io;
-    use std::os::fd::AsFd;
-
-    use rustix::io::Errno;
-    use rustix::process::{Signal, getpgrp, getsid, kill_current_process_group};
-    use rustix::termios::{
-        self, Action, LocalModes, QueueSelector, tcflow, tcflush, tcgetattr, tcgetpgrp,
-    };
-
-    pub fn stdout() -> io::Result<File> {
-        Ok(io::stdout().as_fd().try_clone_to_owned()?.into())
-    }
-
-    pub fn terminal_size() -> io::Result<(u16, u16)> {
-        let size = termios::tcgetwinsize(io::stdout())?;
-        Ok((size.ws_col, size.ws_row))
-    }
-
-    pub fn is_in_front(keys: bool) -> io::Result<bool> {
-        match if keys { tcgetpgrp(io::stdin()) } else { tcgetpgrp(io::stdout()) } {
-            Ok(group) => Ok(group == getpgrp()),
-            Err(Errno::IO) => Err(Errno::IO.into()),
-            // A terminal that controls no session has no background.
-            Err(_) => Ok(true),
-        }
-    }
-
-    /// Whether the terminal lets programs in its background write.
-    pub fn may_write_in_background() -> io::Result<bool> {
-        Ok(!tcgetattr(io::stdout())?.local_modes.contains(LocalModes::TOSTOP))
-    }
-
-    /// Whether a shell waits to continue a program that is stopped. None does where the program belongs
-    /// to the first process of the session.
-    pub fn can_suspend() -> bool {
-        getsid(None) != Ok(getpgrp())
-    }
-
-    /// Stops the whole job, as the terminal's own Ctrl-Z does: its shell waits for the first process.
-    pub fn suspend() -> io::Result<()> {
-        Ok(kill_current_process_group(Signal::STOP)?)
-    }
-
-    /// Ends a wait for keys: crossterm takes this signal for a new size.
-    pub fn wake_reader() {
-        let _ = signal_hook::low_level::raise(signal_hook::consts::SIGWINCH);
-    }
-
-    /// Drops what is written but not read, also where Ctrl-S holds it, and wakes a write that waits.
-    pub fn drop_unread_output() -> io::Result<()> {
-        tcflush(io::stdout(), QueueSelector::OFlush)?;
-        tcflow(io::stdout(), Action::OOff)?;
-        Ok(tcflow(io::stdout(), Action::OOn)?)
-    }
-
-    /// Ends the program as the signal would have.
-    pub fn end_by(signal: i32) -> io::Result<()> {
-        signal_hook::low_level::emulate_default_handler(signal)
-    }
-}
-
-/// What differs between operating systems: Windows has no background and no job to suspend.
-#[cfg(windows)]
-mod system {
-    use std::fs::File;
-    use std::io;
-    use std::os::windows::io::AsHandle;
-
-    pub use crossterm::terminal::size as terminal_size;
-
-    pub fn stdout() -> io::Result<File> {
-        Ok(io::stdout().as_handle().try_clone_to_owned()?.into())
-    }
-
-    pub fn is_in_front(_keys: bool) -> io::Result<bool> {
-        Ok(true)
-    }
-
-    pub fn may_write_in_background() -> io::Result<bool> {
-        Ok(true)
-    }
-
-    pub fn can_suspend() -> bool {
-        false
-    }
-
-    pub fn suspend() -> io::Result<()> {
-        Ok(())
-    }
-
-    pub fn wake_reader() {}
-
-    pub fn drop_unread_output() -> io::Result<()> {
-        Ok(())
-    }
-
-    pub fn end_by(_signal: i32) -> io::Result<()> {
-        Ok(())
-    }
-}
-
 // ---- Loop ----------------------------------------------------------------------------------------
 
 /// The angles A and B, frame after frame.
@@ -1370,6 +1265,113 @@ impl Animation<'_> {
         self.out.clear();
         self.encoder.encode(&self.renderer.framebuffer, view.width, &mut self.out);
         self.screen.write_frame(&self.out)
+    }
+}
+
+// ---- System --------------------------------------------------------------------------------------
+
+/// What differs between operating systems, on Unix.
+#[cfg(unix)]
+mod system {
+    use std::fs::File;
+    use std::io;
+    use std::os::fd::AsFd;
+
+    use rustix::io::Errno;
+    use rustix::process::{Signal, getpgrp, getsid, kill_current_process_group};
+    use rustix::termios::{
+        self, Action, LocalModes, QueueSelector, tcflow, tcflush, tcgetattr, tcgetpgrp,
+    };
+
+    pub fn stdout() -> io::Result<File> {
+        Ok(io::stdout().as_fd().try_clone_to_owned()?.into())
+    }
+
+    pub fn terminal_size() -> io::Result<(u16, u16)> {
+        let size = termios::tcgetwinsize(io::stdout())?;
+        Ok((size.ws_col, size.ws_row))
+    }
+
+    pub fn is_in_front(keys: bool) -> io::Result<bool> {
+        match if keys { tcgetpgrp(io::stdin()) } else { tcgetpgrp(io::stdout()) } {
+            Ok(group) => Ok(group == getpgrp()),
+            Err(Errno::IO) => Err(Errno::IO.into()),
+            // A terminal that controls no session has no background.
+            Err(_) => Ok(true),
+        }
+    }
+
+    /// Whether the terminal lets programs in its background write.
+    pub fn may_write_in_background() -> io::Result<bool> {
+        Ok(!tcgetattr(io::stdout())?.local_modes.contains(LocalModes::TOSTOP))
+    }
+
+    /// Whether a shell waits to continue a program that is stopped. None does where the program belongs
+    /// to the first process of the session.
+    pub fn can_suspend() -> bool {
+        getsid(None) != Ok(getpgrp())
+    }
+
+    /// Stops the whole job, as the terminal's own Ctrl-Z does: its shell waits for the first process.
+    pub fn suspend() -> io::Result<()> {
+        Ok(kill_current_process_group(Signal::STOP)?)
+    }
+
+    /// Ends a wait for keys: crossterm takes this signal for a new size.
+    pub fn wake_reader() {
+        let _ = signal_hook::low_level::raise(signal_hook::consts::SIGWINCH);
+    }
+
+    /// Drops what is written but not read, also where Ctrl-S holds it, and wakes a write that waits.
+    pub fn drop_unread_output() -> io::Result<()> {
+        tcflush(io::stdout(), QueueSelector::OFlush)?;
+        tcflow(io::stdout(), Action::OOff)?;
+        Ok(tcflow(io::stdout(), Action::OOn)?)
+    }
+
+    /// Ends the program as the signal would have.
+    pub fn end_by(signal: i32) -> io::Result<()> {
+        signal_hook::low_level::emulate_default_handler(signal)
+    }
+}
+
+/// The same on Windows, which has no background and no job to suspend.
+#[cfg(windows)]
+mod system {
+    use std::fs::File;
+    use std::io;
+    use std::os::windows::io::AsHandle;
+
+    pub use crossterm::terminal::size as terminal_size;
+
+    pub fn stdout() -> io::Result<File> {
+        Ok(io::stdout().as_handle().try_clone_to_owned()?.into())
+    }
+
+    pub fn is_in_front(_keys: bool) -> io::Result<bool> {
+        Ok(true)
+    }
+
+    pub fn may_write_in_background() -> io::Result<bool> {
+        Ok(true)
+    }
+
+    pub fn can_suspend() -> bool {
+        false
+    }
+
+    pub fn suspend() -> io::Result<()> {
+        Ok(())
+    }
+
+    pub fn wake_reader() {}
+
+    pub fn drop_unread_output() -> io::Result<()> {
+        Ok(())
+    }
+
+    pub fn end_by(_signal: i32) -> io::Result<()> {
+        Ok(())
     }
 }
 
