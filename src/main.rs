@@ -947,6 +947,9 @@ impl Screen {
             let now = self.writes.load(SeqCst);
             waits = if now == writes && now % 2 == 1 { waits + 1 } else { 0 };
             writes = now;
+            if waits > 0 && self.is_in_front().unwrap_or(false) {
+                let _ = system::wake_write();
+            }
             thread::sleep(Duration::from_millis(100));
         }
         self.unread.store(true, SeqCst);
@@ -967,15 +970,17 @@ impl Screen {
         if self.output == Output::Terminal { system::is_in_front(self.keys) } else { Ok(true) }
     }
 
-    /// Takes the terminal. False if the donut has it already.
+    /// Takes the terminal. False if the donut has it already, or is about to end.
     fn take(&self) -> io::Result<bool> {
-        if self.output != Output::Terminal || self.taken.swap(true, SeqCst) {
+        let ending = self.ending.load(SeqCst);
+        if self.output != Output::Terminal || ending || self.taken.swap(true, SeqCst) {
             return Ok(false);
         }
         if self.keys {
             // crossterm may believe that raw mode is on, where a shell has ended it since.
             terminal::disable_raw_mode()?;
             terminal::enable_raw_mode()?;
+            system::never_wait_to_read()?;
         }
         let mut bytes = Vec::new();
         if self.alternate {
@@ -993,7 +998,8 @@ impl Screen {
             return Ok(());
         }
         system::wake_reader();
-        let in_front = self.is_in_front()?;
+        // The terminal of the keys may be gone, and that of the picture still there.
+        let in_front = self.is_in_front().unwrap_or(true);
         let mut bytes = Vec::new();
         queue!(bytes, EndSynchronizedUpdate, ResetColor, Show)?;
         if self.alternate {
@@ -1001,10 +1007,11 @@ impl Screen {
         } else {
             bytes.extend(b"\r\n");
         }
-        if in_front {
-            terminal::disable_raw_mode()?;
+        let settings = if in_front { terminal::disable_raw_mode() } else { Ok(()) };
+        if in_front || system::may_write_in_background()? {
+            self.write(&bytes)?;
         }
-        if in_front || system::may_write_in_background()? { self.write(&bytes) } else { Ok(()) }
+        settings
     }
 
     /// Writes a frame: at once to a pipe, and in pieces to a terminal. When the program is about to end,
@@ -1015,9 +1022,21 @@ impl Screen {
         pieces.try_for_each(|piece| self.write(piece))
     }
 
-    fn write(&self, piece: &[u8]) -> io::Result<()> {
+    fn write(&self, mut piece: &[u8]) -> io::Result<()> {
         self.writes.fetch_add(1, SeqCst);
-        let written = (&self.stdout).write_all(piece);
+        let mut written = Ok(());
+        while !piece.is_empty() && written.is_ok() {
+            match (&self.stdout).write(piece) {
+                Ok(0) => written = Err(io::ErrorKind::WriteZero.into()),
+                Ok(bytes) => piece = &piece[bytes..],
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                // Another program may have left the terminal so that no write waits for it.
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                    thread::sleep(Duration::from_millis(5));
+                }
+                Err(error) => written = Err(error),
+            }
+        }
         self.writes.fetch_add(1, SeqCst);
         written
     }
@@ -1280,7 +1299,8 @@ mod system {
     use rustix::io::Errno;
     use rustix::process::{Signal, getpgrp, getsid, kill_current_process_group};
     use rustix::termios::{
-        self, Action, LocalModes, QueueSelector, tcflow, tcflush, tcgetattr, tcgetpgrp,
+        self, Action, LocalModes, OptionalActions, QueueSelector, SpecialCodeIndex, tcflow,
+        tcflush, tcgetattr, tcgetpgrp, tcsetattr,
     };
 
     pub fn stdout() -> io::Result<File> {
@@ -1317,14 +1337,28 @@ mod system {
         Ok(kill_current_process_group(Signal::STOP)?)
     }
 
+    /// Makes a read return where no key waits. crossterm reads on after half of a key's code, and a read
+    /// in the background would stop the program.
+    pub fn never_wait_to_read() -> io::Result<()> {
+        let mut settings = tcgetattr(io::stdin())?;
+        settings.special_codes[SpecialCodeIndex::VMIN] = 0;
+        Ok(tcsetattr(io::stdin(), OptionalActions::Now, &settings)?)
+    }
+
     /// Ends a wait for keys: crossterm takes this signal for a new size.
     pub fn wake_reader() {
         let _ = signal_hook::low_level::raise(signal_hook::consts::SIGWINCH);
     }
 
-    /// Drops what is written but not read, also where Ctrl-S holds it, and wakes a write that waits.
+    /// Drops what is written but not read.
     pub fn drop_unread_output() -> io::Result<()> {
         tcflush(io::stdout(), QueueSelector::OFlush)?;
+        wake_write()
+    }
+
+    /// Wakes a write that waits: where Ctrl-S holds it, or where it has room again and Linux lets it
+    /// sleep on.
+    pub fn wake_write() -> io::Result<()> {
         tcflow(io::stdout(), Action::OOff)?;
         Ok(tcflow(io::stdout(), Action::OOn)?)
     }
@@ -1364,9 +1398,17 @@ mod system {
         Ok(())
     }
 
+    pub fn never_wait_to_read() -> io::Result<()> {
+        Ok(())
+    }
+
     pub fn wake_reader() {}
 
     pub fn drop_unread_output() -> io::Result<()> {
+        Ok(())
+    }
+
+    pub fn wake_write() -> io::Result<()> {
         Ok(())
     }
 

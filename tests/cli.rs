@@ -330,6 +330,22 @@ fn every_frame_is_one_write() {
     assert_eq!(packets, [4 + frame, frame, frame]);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_pipe_whose_writes_do_not_wait_gets_all_the_same() {
+    use std::os::{fd::OwnedFd, unix::net::UnixStream};
+    let (mut reader, writer) = UnixStream::pair().unwrap();
+    // As another program may leave a terminal or a pipe that it shares.
+    writer.set_nonblocking(true).unwrap();
+    let options = ["--frames=300", "--fps=0"];
+    let child = donut(&options).stdout(OwnedFd::from(writer)).spawn().unwrap();
+    sleep(Duration::from_millis(300));
+    let mut stream = Vec::new();
+    reader.read_to_end(&mut stream).unwrap();
+    child.wait_with_output().unwrap().assert().success();
+    assert_eq!(stream.len(), 4 + 300 * 1764);
+}
+
 #[test]
 fn frames_come_at_the_rate_asked_for() {
     let (frames, time) = count_frames(&["--fps=50"], 1764, Duration::ZERO);

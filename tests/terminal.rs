@@ -401,6 +401,13 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
         pty.type_bytes(b"\x1a");
         wait_for_the_stop(pty);
     };
+    // Half of an arrow key's code, as Alt-[ is: the other half never comes.
+    let half_a_key: Step = |pty| {
+        pty.type_bytes(b"\x1b[");
+        sleep(Duration::from_millis(100));
+        pty.signal_job("TSTP");
+        wait_for_the_stop(pty);
+    };
     let stop: Step = |pty| {
         pty.signal_job("STOP");
         pty.wait_for("the stop", Pty::is_stopped);
@@ -429,6 +436,7 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
         &[start, ctrl_z, hang_up],
         &[start, ctrl_z, bg, kill],
         &[start, ctrl_z, typed_ahead],
+        &[start, half_a_key, bg, kill],
         &[start, stop, kill],
         &[start, stop, bg, kill],
         &[start_behind, kill],
@@ -538,6 +546,19 @@ fn a_terminal_that_reads_slowly_sees_the_end() {
 }
 
 #[test]
+fn a_terminal_that_reads_very_slowly_is_not_taken_for_one_that_does_not() {
+    // 5 kB a second.
+    let mut pty = Pty::run_unread(DONUT, &[], (80, 24), "xterm");
+    pty.read(200, Duration::from_millis(40));
+    pty.wait_for("two frames", |pty| frames(pty) > 1);
+    sleep(Duration::from_secs(1));
+    pty.type_bytes(b"q");
+    assert_eq!(pty.exit(), 0);
+    pty.wait_for("the end", |pty| pty.written().ends_with("\x1b[?1049l"));
+    pty.assert_restored();
+}
+
+#[test]
 fn a_frame_that_takes_long_to_read_is_cut_short_at_the_end() {
     // A frame of a megabyte takes most of a minute.
     let mut pty = Pty::run_unread(DONUT, &["--color=red", "--frames=9"], (2000, 500), "xterm");
@@ -579,6 +600,17 @@ fn the_size_is_that_of_the_terminal_it_draws_on() {
     let mut pty = Pty::run("sh", &["-c", &command], (100, 30), "xterm");
     shown.wait_for("the picture", |shown| shown.lines() == picture((60, 20), (60, 20)));
     assert_quits(&mut pty);
+    shown.assert_restored();
+}
+
+#[test]
+fn when_the_terminal_of_the_keys_goes_that_of_the_picture_is_given_back() {
+    let shown = Pty::run("sleep", &["100"], (60, 20), "xterm");
+    let command = format!("trap '' HUP; exec {DONUT} > {}", shown.path());
+    let mut pty = Pty::run_unread("sh", &["-c", &command], (80, 24), "xterm");
+    shown.wait_for("a frame", |shown| frames(shown) > 0);
+    pty.hang_up();
+    assert_eq!(pty.exit(), 1);
     shown.assert_restored();
 }
 

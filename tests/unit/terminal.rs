@@ -9,16 +9,16 @@ use pty::Pty;
 #[test]
 #[ignore = "panics on purpose, on the terminal of the test below"]
 fn a_donut_that_falls() {
-    let (sender, _actions) = mpsc::channel();
-    let options = Options::parse_from(["donut"]);
+    let (sender, actions) = mpsc::channel();
+    let options = Options::parse_from(["donut", "--fps=0"]);
     let mut animation = Animation::new(&options, Output::Terminal).unwrap();
     animation.screen.watch(&sender).unwrap();
-    animation.screen.take().unwrap();
-    // Also of a thread that does not draw.
-    thread::spawn(|| panic!("the donut fell"));
-    loop {
-        animation.draw().unwrap();
-    }
+    // In a thread that does not draw, while another one does.
+    thread::spawn(|| {
+        thread::sleep(Duration::from_millis(200));
+        panic!("the donut fell")
+    });
+    animation.play(&actions).unwrap();
 }
 
 #[test]
