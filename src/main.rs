@@ -322,8 +322,7 @@ impl View {
         View { r2: 2.0, k2: 5.0, width: 80, height: 22, cx: 40.0, cy: 12.0, k1x: 30.0, k1y: 15.0 };
 
     /// donut.c's own view for its size and lengths; otherwise the largest in which nothing is cut off,
-    /// however the donut is turned.
-    /// `aspect` is the height of a cell over its width.
+    /// however the donut is turned. `aspect` is the height of a cell over its width.
     fn new(width: usize, height: usize, aspect: f64, r2: f64, k2: f64) -> View {
         if (width, height, aspect, r2, k2) == (80, 22, 2.0, 2.0, 5.0) {
             return View::DONUT_C;
@@ -410,11 +409,12 @@ impl Renderer {
         let (width, height) = (self.view.width as i32, self.view.height as i32);
         let View { r2, k2, cx, cy, k1x, k1y, .. } = self.view;
         let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
-        let ((sin_a, cos_a), (sin_b, cos_b)) = (sin_cos(a), sin_cos(b));
+        let turn @ [(sin_a, cos_a), (sin_b, cos_b)] = [sin_cos(a), sin_cos(b)];
         let samples = self.samples.get_or_insert_with(|| Samples::new(&self.view));
         let (mut ooz, mut cell) = ([0.0; BLOCK], [0; BLOCK]);
         self.zbuffer.fill(0);
-        let mut number = 0;
+        // The number of the first sample of a block.
+        let mut first = 0;
         for &(sin_theta, cos_theta) in &samples.theta {
             let h = cos_theta + r2;
             for phi in &samples.phi {
@@ -431,28 +431,18 @@ impl Renderer {
                 }
                 for i in 0..BLOCK {
                     let nearest = &mut self.zbuffer[cell[i] as usize];
-                    *nearest = (*nearest).max(entry(ooz[i], number + i as u32));
+                    *nearest = (*nearest).max(entry(ooz[i], first + i as u32));
                 }
-                number += BLOCK as u32;
+                first += BLOCK as u32;
             }
         }
-        self.shade((sin_a, cos_a), (sin_b, cos_b));
-    }
-
-    /// Gives each cell the glyph of its nearest sample, for `classic`. The formula is that of L on the
-    /// first page, multiplied out as in donut.c, which takes the luminance of all samples and shows few.
-    fn shade(&mut self, (sin_a, cos_a): (f32, f32), (sin_b, cos_b): (f32, f32)) {
-        let Some(samples) = &self.samples else { return };
+        // donut.c takes the luminance of all samples, and shows few of them.
         let width = self.view.width;
         let rows = self.framebuffer.chunks_exact_mut(width).zip(self.zbuffer.chunks_exact(width));
         for (cells, nearest) in rows.skip(1) {
             for (cell, &nearest) in cells.iter_mut().zip(nearest).skip(1) {
                 if nearest > 0 {
-                    let ((sin_theta, cos_theta), (sin_phi, cos_phi)) = samples.get(number(nearest));
-                    let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
-                        - sin_phi * cos_theta * sin_a
-                        - sin_theta * cos_a
-                        - cos_phi * cos_theta * sin_b;
+                    let luminance = samples.luminance(number(nearest), turn);
                     *cell = glyph(self.ramp, luminance.into());
                 }
             }
@@ -522,12 +512,17 @@ impl Samples {
         Samples { theta: circle(theta), phi: phi.chunks(BLOCK).map(block).collect() }
     }
 
-    /// Sine and cosine of theta, and of phi, of a sample by its number.
-    fn get(&self, number: u32) -> ((f32, f32), (f32, f32)) {
-        let number = number as usize;
-        let (block, i) = (number / BLOCK, number % BLOCK);
+    /// The luminance of a sample: the formula of the first page, multiplied out as in donut.c.
+    fn luminance(&self, number: u32, turn: [(f32, f32); 2]) -> f32 {
+        let [(sin_a, cos_a), (sin_b, cos_b)] = turn;
+        let (block, i) = (number as usize / BLOCK, number as usize % BLOCK);
+        let (sin_theta, cos_theta) = self.theta[block / self.phi.len()];
         let phi = &self.phi[block % self.phi.len()];
-        (self.theta[block / self.phi.len()], (phi.sin[i], phi.cos[i]))
+        let (sin_phi, cos_phi) = (phi.sin[i], phi.cos[i]);
+        (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
+            - sin_phi * cos_theta * sin_a
+            - sin_theta * cos_a
+            - cos_phi * cos_theta * sin_b
     }
 }
 
@@ -573,8 +568,8 @@ const MISS: f64 = f64::INFINITY;
 /// A step shorter than this, in units of R1, is a ray's last.
 ///
 /// Each of Newton's steps doubles the digits that are right, so about 1e-12 is left. A ray that grazes
-/// the donut gains only one binary digit in each step. It may be 1e-6 away from where it comes nearest, but there
-/// it is within 1e-12 of the surface, and may as well hit it as miss it.
+/// the donut gains only one binary digit in each step. It may be 1e-6 away from where it comes nearest,
+/// but there it is within 1e-12 of the surface, and may as well hit it as miss it.
 const LAST_STEP: f64 = 1e-6;
 /// The most steps that a ray makes. None has been found that needs more than 40. One that did would
 /// only graze the donut, for no step goes beyond the first root, and it counts as a hit.
@@ -639,10 +634,10 @@ impl Torus {
     /// The coefficients p, q and r of a ray's G.
     fn quartic(&self, d0: f64, f0: f64, fu: f64) -> [f64; 3] {
         let (inner, outer) = (self.r2 - 1.0, self.r2 + 1.0);
-        let four = 4.0 * self.r2 * self.r2;
-        let p = 2.0 * (d0 - self.r2 * self.r2 - 1.0) + four * fu * fu;
-        let q = 2.0 * four * f0 * fu;
-        let r = (d0 - inner * inner) * (d0 - outer * outer) + four * f0 * f0;
+        let r2_r2 = self.r2 * self.r2;
+        let p = 2.0 * (d0 - r2_r2 - 1.0) + 4.0 * r2_r2 * fu * fu;
+        let q = 8.0 * r2_r2 * f0 * fu;
+        let r = (d0 - inner * inner) * (d0 - outer * outer) + 4.0 * r2_r2 * f0 * f0;
         [p, q, r]
     }
 
