@@ -103,8 +103,8 @@ use signal_hook::{
 /// A spinning ASCII donut: donut.c at 80x22, and exact at every other size
 ///
 /// On a terminal the donut fills the window, and spins until you press q. Into a
-/// pipe or a file goes what donut.c prints, 80x22, at the rate of --fps. Options
-/// that make the donut smaller than a cell may leave the picture empty.
+/// pipe or a file goes what donut.c prints, 80x22, at the rate of --fps. If a
+/// window or options make the donut smaller than a cell, nothing may be seen.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // Some people define `alias donut='donut --color cyan'`: what they type after that wins.
@@ -115,6 +115,8 @@ struct Options {
     /// Columns [default: all, or 80 in a pipe]
     ///
     /// From 1 to 4096. A terminal shows at most as many as it has.
+    ///
+    /// The first column is donut.c's newline, so N shows N-1 characters.
     #[arg(long, value_name = "COLS", value_parser = within(SIZES))]
     width: Option<u16>,
 
@@ -135,6 +137,8 @@ struct Options {
     frames: Option<u64>,
 
     /// How to draw
+    ///
+    /// Classic needs --r1, --r2 and --k2 to be 1, 2 and 5.
     ///
     /// After 31 hours donut.c's angles are too coarse; then auto is exact.
     #[arg(long, value_enum, default_value_t, hide_default_value = true)]
@@ -229,7 +233,7 @@ where
 }
 
 fn two_angles(text: &str) -> Result<[f64; 2], String> {
-    let angles: Vec<_> = text.split(',').collect();
+    let angles: Vec<_> = text.split(',').map(str::trim).collect();
     let [a, b] = angles[..] else {
         return Err("expected two numbers with a comma between them, as in 0.04,0.02".into());
     };
@@ -263,12 +267,12 @@ impl Options {
         let (Options { r1, r2, k2, .. }, (ring, distance)) = (self, self.ratios());
         let refusal = if !RING.contains(&ring) {
             let (least, most) = (RING.start(), RING.end());
-            format!("--r2 is {r2}: it must be {least} to {most} times --r1, which is {r1}")
+            format!("--r1 is {r1} and --r2 is {r2}: --r2 must be {least} to {most} times --r1")
         } else if distance <= sphere(ring) {
             format!("--k2 is {k2}: it must be more than --r1 plus --r2, which is {r1} + {r2}")
         } else if self.method == Method::Classic && (ring, distance) != (2.0, 5.0) {
-            let others = "--method is classic: it must be exact or auto";
-            format!("{others} where --r1, --r2, --k2 are {r1}, {r2}, {k2}, not 1, 2, 5")
+            let needs = "--method classic needs --r1, --r2 and --k2 to be 1, 2 and 5";
+            format!("{needs}, and not {r1}, {r2} and {k2}")
         } else {
             return None;
         };

@@ -169,12 +169,15 @@ fn options_that_do_not_fit_together_are_refused_with_the_values_of_all() {
         (&["--r2=10"][..], "--k2 is 5: it must be more than --r1 plus --r2, which is 1 + 10"),
         (&["--r2=10", "--k2=8"], "--k2 is 8: it must be more than --r1 plus --r2, which is 1 + 10"),
         (&["--k2=3"], "--k2 is 3: it must be more than --r1 plus --r2, which is 1 + 2"),
-        (&["--r2=0.5"], "--r2 is 0.5: it must be 1.000001 to 1000 times --r1, which is 1"),
-        (&["--r1=2"], "--r2 is 2: it must be 1.000001 to 1000 times --r1, which is 2"),
-        (&["--r1=0.0019"], "--r2 is 2: it must be 1.000001 to 1000 times --r1, which is 0.0019"),
+        (&["--r2=0.5"], "--r1 is 1 and --r2 is 0.5: --r2 must be 1.000001 to 1000 times --r1"),
+        (&["--r1=2"], "--r1 is 2 and --r2 is 2: --r2 must be 1.000001 to 1000 times --r1"),
+        (
+            &["--r1=0.0019"],
+            "--r1 is 0.0019 and --r2 is 2: --r2 must be 1.000001 to 1000 times --r1",
+        ),
         (
             &["--method=classic", "--r2=3"],
-            "--method is classic: it must be exact or auto where --r1, --r2, --k2 are 1, 3, 5",
+            "--method classic needs --r1, --r2 and --k2 to be 1, 2 and 5, and not 1, 3 and 5",
         ),
     ] {
         assert_refused(options, &[said]);

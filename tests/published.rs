@@ -208,12 +208,12 @@ fn sentences(table: &Table) -> [String; 7] {
             wrong("sphere tracing 256")
         ),
         format!(
-            "takes {:.1} times as long in f32 and {:.1} times in f64",
+            "takes {:.1} times as long as exact in f32 and {:.1} times in f64",
             micros("closed form f32") / exact,
             micros("closed form f64") / exact
         ),
         format!(
-            "from x4 to x2 its wrong cells fall from {:.0} % to {:.0} %, and from there they rise \
+            "from steps four times as long (x4) to x2 its wrong cells fall from {:.0} % to {:.0} %, and from there they rise \
              to {:.0} % at x1/4",
             wrong("classic x4"),
             wrong("classic x2"),

@@ -13,7 +13,8 @@ const EXIT_STATUS: &str = "\
   1  It could not write, or could not read keys, or the terminal was gone or did not read.
   2  An option is wrong.
 
-Any other signal ends it as usual, and so do these three when it writes into a pipe or a file.";
+SIGINT, SIGTERM and SIGHUP end it as usual when it writes into a pipe or a file. Other signals \
+     always do.";
 
 /// The sections after the options of the help, as headings and lines.
 fn help_sections() -> impl Iterator<Item = (&'static str, &'static str)> {
