@@ -109,7 +109,8 @@ use signal_hook::{
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // Some people define `alias donut='donut --color cyan'`: what they type after that wins.
 #[command(args_override_self = true)]
-// Values may begin with a hyphen, as negative numbers do. No value is a file, so completions offer none.
+// Values may begin with a hyphen, as negative numbers do. No value is the name of a file, so the
+// completions offer none.
 #[command(mut_args(|arg| arg.allow_hyphen_values(true).value_hint(ValueHint::Other)))]
 struct Options {
     /// Columns [default: all, or 80 in a pipe]
@@ -270,7 +271,9 @@ impl Options {
             format!("--r1 is {r1} and --r2 is {r2}: --r2 must be {least} to {most} times --r1")
         } else if distance <= sphere(ring) {
             format!("--k2 is {k2}: it must be more than --r1 plus --r2, which is {r1} + {r2}")
-        } else if self.method == Method::Classic && (ring, distance) != (2.0, 5.0) {
+        } else if self.method == Method::Classic
+            && (ring, distance) != (View::DONUT_C.r2, View::DONUT_C.k2)
+        {
             let needs = "--method classic needs --r1, --r2 and --k2 to be 1, 2 and 5";
             format!("{needs}, and not {r1}, {r2} and {k2}")
         } else {
@@ -637,7 +640,7 @@ impl Torus {
 
     /// The coefficients p, q and r of a ray's G.
     fn quartic(&self, d0: f64, f0: f64, fu: f64) -> [f64; 3] {
-        let (inner, outer) = (self.r2 - 1.0, self.r2 + 1.0);
+        let (inner, outer) = (self.r2 - 1.0, sphere(self.r2));
         let r2_r2 = self.r2 * self.r2;
         let p = 2.0 * (d0 - r2_r2 - 1.0) + 4.0 * r2_r2 * fu * fu;
         let q = 8.0 * r2_r2 * f0 * fu;
@@ -756,11 +759,10 @@ impl Encoder {
     /// Appends a frame to `out`.
     fn encode(&mut self, framebuffer: &[u8], width: usize, out: &mut Vec<u8>) {
         let (begin, newline, end) = match self.output {
-            // donut.c's own bytes.
-            Output::Pipe => ("", "\n", "\n"),
             // A synchronized update shows no half frame. In raw mode a newline needs its \r.
             Output::Terminal => ("\x1b[?2026h", "\r\n", "\x1b[?2026l"),
-            Output::DumbTerminal => ("", "\n", "\n"),
+            // donut.c's own bytes.
+            Output::Pipe | Output::DumbTerminal => ("", "\n", "\n"),
         };
         let clear = if self.clear { "\x1b[2J" } else { "" };
         let home = if self.output == Output::DumbTerminal { "" } else { "\x1b[H" };
@@ -1239,7 +1241,8 @@ impl Animation<'_> {
                 self.renderer.ramp = if self.renderer.ramp == RAMP { FLAT } else { RAMP };
             }
             Action::Redraw => self.encoder.clear = true,
-            // Others may have used the terminal meanwhile. Once it is given back, the loop takes it again.
+            // Others may have used the terminal meanwhile. Once it is given back, the loop takes it
+            // again.
             Action::Resume => self.screen.give_back()?,
             Action::Suspend if system::can_suspend() => return self.suspend(actions),
             Action::Suspend => {}

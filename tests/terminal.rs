@@ -50,6 +50,14 @@ fn assert_quits(pty: &mut Pty) {
     assert_eq!(pty.exit(), 0);
 }
 
+/// Presses q, after which the terminal is given back, and nothing more is written.
+#[track_caller]
+fn assert_quits_and_gives_back(pty: &mut Pty) {
+    assert_quits(pty);
+    pty.wait_for("the end", |pty| pty.written().ends_with("\x1b[?1049l"));
+    pty.assert_restored();
+}
+
 #[test]
 fn the_picture_fits_the_screen_at_every_size() {
     for size in [(80, 24), (120, 40), (200, 50), (20, 6), (3, 4), (2, 3)] {
@@ -539,10 +547,7 @@ fn a_terminal_that_reads_slowly_sees_the_end() {
         pty.resize((columns, 50));
         sleep(Duration::from_millis(10));
     }
-    pty.type_bytes(b"q");
-    assert_eq!(pty.exit(), 0);
-    pty.wait_for("the end", |pty| pty.written().ends_with("\x1b[?1049l"));
-    pty.assert_restored();
+    assert_quits_and_gives_back(&mut pty);
 }
 
 #[test]
@@ -552,10 +557,7 @@ fn a_terminal_that_reads_very_slowly_is_not_taken_for_one_that_does_not() {
     pty.read(200, Duration::from_millis(40));
     pty.wait_for("two frames", |pty| frames(pty) > 1);
     sleep(Duration::from_secs(1));
-    pty.type_bytes(b"q");
-    assert_eq!(pty.exit(), 0);
-    pty.wait_for("the end", |pty| pty.written().ends_with("\x1b[?1049l"));
-    pty.assert_restored();
+    assert_quits_and_gives_back(&mut pty);
 }
 
 #[test]
