@@ -70,32 +70,38 @@
 //!
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
-use std::convert::Infallible;
 use std::f64::consts::TAU;
 use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
-use std::ops::{ControlFlow, RangeInclusive};
+use std::ops::RangeInclusive;
+#[cfg(unix)]
+use std::os::fd::{AsFd, AsRawFd};
+#[cfg(windows)]
+use std::os::windows::io::AsHandle;
 use std::process::{self, ExitCode};
 use std::str::FromStr;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
-use std::sync::{Arc, mpsc};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 use std::time::{Duration, Instant};
 use std::{env, panic, thread};
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
-use crossterm::cursor::{Hide, Show};
-use crossterm::event::{self, Event, KeyCode, KeyEvent, KeyModifiers};
-use crossterm::queue;
-use crossterm::style::{self, Color, ResetColor, SetForegroundColor};
-use crossterm::terminal::{
-    self, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
-};
+use crossterm::event::{self, Event, KeyCode};
+use crossterm::style::{self, Color, SetForegroundColor};
+use crossterm::terminal;
 #[cfg(unix)]
-use signal_hook::{
-    consts::{SIGCONT, SIGQUIT, SIGTSTP},
-    iterator::Signals,
+use {
+    filedescriptor::{POLLIN, POLLOUT, poll, pollfd},
+    rustix::fs::{Mode, OFlags},
+    rustix::io::Errno,
+    rustix::process::{getpgrp, getsid},
+    rustix::termios::{
+        Action, LocalModes, OptionalActions, OutputModes, QueueSelector, SpecialCodeIndex, tcflow,
+        tcflush, tcgetattr, tcgetpgrp, tcgetwinsize, tcsetattr,
+    },
+    signal_hook::consts::{SIGCONT, SIGQUIT, SIGSTOP, SIGTSTP, SIGWINCH},
 };
 
 // ---- Options -------------------------------------------------------------------------------------
@@ -257,6 +263,18 @@ fn color(text: &str) -> Result<Color, String> {
 }
 
 impl Options {
+    /// The view for the size of the options, clipped to the terminal of this size.
+    fn view(&self, output: Output, (columns, rows): (u16, u16)) -> View {
+        let clip = |asked: Option<u16>, most: u16| match asked {
+            Some(asked) if output == Output::Pipe => asked,
+            asked => asked.unwrap_or(4096).min(most),
+        };
+        let width = clip(self.width, columns);
+        let height = clip(self.height, rows.saturating_sub(2).max(1));
+        let (r2, k2) = self.ratios();
+        View::new(width.into(), height.into(), self.aspect, r2, k2)
+    }
+
     /// R2 and K2, in units of R1.
     fn ratios(&self) -> (f64, f64) {
         (self.r2 / self.r1, self.k2 / self.r1)
@@ -296,6 +314,194 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
         _ => ExitCode::SUCCESS,
+    }
+}
+
+// ---- The loop ------------------------------------------------------------------------------------
+
+/// The donut on the screen, frame after frame.
+struct Animation<'a> {
+    options: &'a Options,
+    screen: Arc<Screen>,
+    /// Columns and rows of the terminal.
+    size: (u16, u16),
+    renderer: Renderer,
+    clock: Clock,
+    /// How many frames have been drawn.
+    frames: u64,
+    /// When the next one is due.
+    deadline: Instant,
+    paused: bool,
+    /// Whether to draw the last frame again.
+    redraw: bool,
+    /// Bytes that are not written yet.
+    out: Vec<u8>,
+}
+
+/// Spins the donut until the last frame is shown, somebody ends it, or its reader goes away.
+fn run(options: &Options) -> io::Result<()> {
+    let screen = Screen::open(Output::detect(), options)?;
+    let played = Animation::new(options, screen.clone())?.play();
+    played.and(screen.restore())
+}
+
+impl Animation<'_> {
+    fn new(options: &Options, screen: Arc<Screen>) -> io::Result<Animation<'_>> {
+        let size = screen.size()?;
+        Ok(Animation {
+            options,
+            renderer: Renderer::new(options.view(screen.output, size), options.method),
+            screen,
+            size,
+            clock: Clock { origin: [options.a, options.b], frames: 0, spin: options.spin },
+            frames: 0,
+            deadline: Instant::now(),
+            paused: false,
+            redraw: false,
+            out: Vec::new(),
+        })
+    }
+
+    /// donut.c's `for (;;)`.
+    ///
+    /// Nothing waits but its last line. Bytes that the terminal has no room for are kept until it has,
+    /// so that keys and signals are obeyed even if it is stalled.
+    fn play(&mut self) -> io::Result<()> {
+        let most = if self.screen.output == Output::DumbTerminal { 1 } else { u64::MAX };
+        let last = self.options.frames.unwrap_or(most).min(most);
+        let mut key_pressed = false;
+        while !self.screen.quit.load(SeqCst) && (self.frames < last || !self.out.is_empty()) {
+            if !self.screen.may_draw()? {
+                self.out.clear();
+                key_pressed = self.screen.wait(LOOK, false)?;
+                continue;
+            }
+            let mut is_behind = !self.out.is_empty();
+            self.fit()?;
+            if self.screen.take()? {
+                self.out = self.screen.escapes.take.into();
+                (self.redraw, is_behind) = (true, false);
+            }
+            if key_pressed {
+                self.obey_keys()?;
+            }
+            let is_due = !self.paused && self.deadline <= Instant::now();
+            if (is_due || self.redraw) && !is_behind {
+                self.draw(is_due);
+            }
+            self.screen.write(&mut self.out)?;
+            let unwritten = !self.out.is_empty();
+            let until_due = self.deadline.saturating_duration_since(Instant::now());
+            let time = if self.paused || unwritten { LOOK } else { until_due.min(LOOK) };
+            key_pressed = self.screen.wait(time, unwritten)?;
+        }
+        Ok(())
+    }
+
+    /// Makes the picture fit the terminal.
+    fn fit(&mut self) -> io::Result<()> {
+        let size = self.screen.size()?;
+        if self.screen.resize.swap(false, SeqCst) || size != self.size {
+            (self.size, self.redraw) = (size, true);
+            self.out.extend(CLEAR.bytes());
+            let view = self.options.view(self.screen.output, size);
+            if view != self.renderer.view {
+                let ramp = self.renderer.ramp;
+                self.renderer = Renderer { ramp, ..Renderer::new(view, self.options.method) };
+            }
+        }
+        Ok(())
+    }
+
+    fn obey_keys(&mut self) -> io::Result<()> {
+        for key in self.screen.keys()? {
+            match key {
+                KeyCode::Char('q') | KeyCode::Esc => self.screen.quit.store(true, SeqCst),
+                KeyCode::Char('p') => {
+                    (self.paused, self.deadline) = (!self.paused, Instant::now());
+                }
+                KeyCode::Char(' ') => {
+                    let is_flat = self.renderer.ramp == FLAT;
+                    (self.renderer.ramp, self.redraw) = (if is_flat { RAMP } else { FLAT }, true);
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws the next frame or, if that is not due yet, the last one again.
+    fn draw(&mut self, is_due: bool) {
+        if is_due && self.frames > 0 {
+            self.clock.tick(self.renderer.method);
+        }
+        self.renderer.method = self.options.method.choose(&self.renderer.view, &self.clock);
+        let [a, b] = self.clock.angles();
+        self.renderer.render_frame(a, b);
+        self.screen.escapes.encode(&self.renderer, &mut self.out);
+        self.redraw = false;
+        if is_due {
+            // Deadlines count from one another, so they do not drift. A stall moves them all.
+            self.deadline = (self.deadline + interval(self.options.fps)).max(Instant::now());
+            self.frames += 1;
+        }
+    }
+}
+
+/// The time from one frame to the next. At 0 frames a second every frame is due at once.
+fn interval(fps: f64) -> Duration {
+    // 31 years are long enough. A longer time may not fit into a Duration.
+    Duration::from_secs_f64(if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 })
+}
+
+/// The angles A and B, frame after frame.
+///
+/// They are `origin + frames * spin`. `exact` counts the frames. donut.c adds the spin to a `float` in
+/// each frame, so for `classic` the sum becomes the new origin, and the count stays 0.
+struct Clock {
+    origin: [f64; 2],
+    frames: u64,
+    spin: [f64; 2],
+}
+
+impl Clock {
+    fn angles(&self) -> [f64; 2] {
+        [0, 1].map(|i| self.origin[i] + self.frames as f64 * self.spin[i])
+    }
+
+    /// donut.c's next angles.
+    fn next_floats(&self) -> [f64; 2] {
+        let angles = self.angles();
+        [0, 1].map(|i| advance(angles[i] as f32, self.spin[i]).into())
+    }
+
+    /// Whether the next step of donut.c's clock is right to a tenth of the spin.
+    ///
+    /// From frame 3,345,245 on, where A reaches 2^17, a step of 0.04 is rounded to 0.047. From frame
+    /// 22,918,663 on, where it reaches 2^20, the step is rounded to 0, and A stands still.
+    fn floats_are_fine(&self) -> bool {
+        let (angles, next) = (self.angles(), self.next_floats());
+        let error = |i: usize| next[i] - f64::from(angles[i] as f32) - self.spin[i];
+        (0..2).all(|i| error(i).abs() <= 0.1 * self.spin[i].abs())
+    }
+
+    fn tick(&mut self, method: Method) {
+        if method == Method::Classic {
+            (self.origin, self.frames) = (self.next_floats(), 0);
+        } else {
+            self.frames += 1;
+        }
+    }
+}
+
+impl Method {
+    /// The method for this picture: `auto` is decided here.
+    fn choose(self, view: &View, clock: &Clock) -> Method {
+        match self {
+            Method::Auto if *view == View::DONUT_C && clock.floats_are_fine() => Method::Classic,
+            Method::Auto => Method::Exact,
+            chosen => chosen,
+        }
     }
 }
 
@@ -716,7 +922,7 @@ impl Torus {
 
 // ---- Output --------------------------------------------------------------------------------------
 
-/// Where frames go to.
+/// Where the frames go.
 #[derive(Clone, Copy, PartialEq)]
 enum Output {
     /// A pipe or a file.
@@ -728,695 +934,329 @@ enum Output {
 
 impl Output {
     fn detect() -> Output {
-        if !io::stdout().is_terminal() {
-            Output::Pipe
-        } else if env::var_os("TERM").is_some_and(|term| term == "dumb") {
-            Output::DumbTerminal
-        } else {
-            Output::Terminal
+        let is_dumb = || env::var_os("TERM").is_some_and(|term| term == "dumb");
+        match io::stdout().is_terminal() {
+            false => Output::Pipe,
+            true if is_dumb() => Output::DumbTerminal,
+            true => Output::Terminal,
         }
     }
 }
 
-/// How a framebuffer becomes bytes.
-struct Encoder {
-    output: Output,
-    /// The sequences that begin and end the colour, or two empty ones.
-    color: (String, &'static str),
-    /// Whether the next frame clears the screen, where something else may have been left.
-    clear: bool,
+const CLEAR: &str = "\x1b[2J";
+
+/// What is written before the first frame, around each frame, and after the last.
+struct Escapes {
+    take: &'static str,
+    begin: String,
+    end: String,
+    restore: &'static str,
 }
 
-impl Encoder {
-    fn new(output: Output, color: Option<Color>) -> Encoder {
+impl Escapes {
+    fn new(output: Output, options: &Options) -> Escapes {
+        // 25 is the cursor, 1049 the alternate screen, and 2026 a synchronized update, in which no
+        // half-drawn frame is seen.
+        let (take, [begin, end], restore) = match output {
+            // donut.c's own bytes.
+            Output::Pipe => (CLEAR, ["\x1b[H", "\n"], ""),
+            Output::DumbTerminal => ("", ["", "\n"], ""),
+            Output::Terminal => {
+                let frame = ["\x1b[?2026h\x1b[H", "\x1b[?2026l"];
+                if options.frames.is_some() {
+                    ("\x1b[?25l\x1b[2J", frame, "\x1b[?2026l\x1b[0m\x1b[?25h\n")
+                } else {
+                    ("\x1b[?1049h\x1b[?25l\x1b[2J", frame, "\x1b[?2026l\x1b[0m\x1b[?25h\x1b[?1049l")
+                }
+            }
+        };
+        let color = options.color.filter(|_| output != Output::DumbTerminal);
         // The option is explicit, and so stronger than NO_COLOR.
         style::force_color_output(true);
-        let color = color.filter(|_| output != Output::DumbTerminal).map(SetForegroundColor);
-        let color = color.map(|color| (color.to_string(), "\x1b[0m")).unwrap_or_default();
-        Encoder { output, color, clear: output != Output::DumbTerminal }
+        let sgr = color.map(|color| SetForegroundColor(color).to_string()).unwrap_or_default();
+        let reset = if color.is_some() { "\x1b[0m" } else { "" };
+        Escapes { take, begin: begin.to_string() + &sgr, end: end.to_string() + reset, restore }
     }
 
     /// Appends a frame to `out`.
-    fn encode(&mut self, framebuffer: &[u8], width: usize, out: &mut Vec<u8>) {
-        let (begin, newline, end) = match self.output {
-            // A synchronized update shows no half frame. In raw mode a newline needs its \r.
-            Output::Terminal => ("\x1b[?2026h", "\r\n", "\x1b[?2026l"),
-            // donut.c's own bytes.
-            Output::Pipe | Output::DumbTerminal => ("", "\n", "\n"),
-        };
-        let clear = if self.clear { "\x1b[2J" } else { "" };
-        let home = if self.output == Output::DumbTerminal { "" } else { "\x1b[H" };
-        for text in [begin, clear, home, &self.color.0] {
-            out.extend_from_slice(text.as_bytes());
-        }
-        for row in framebuffer.chunks_exact(width) {
+    fn encode(&self, renderer: &Renderer, out: &mut Vec<u8>) {
+        out.extend(self.begin.bytes());
+        for row in renderer.framebuffer.chunks_exact(renderer.view.width) {
             // The newline stands for column 0, which stays empty.
-            out.extend_from_slice(newline.as_bytes());
-            out.extend_from_slice(&row[1..]);
+            out.push(b'\n');
+            out.extend(&row[1..]);
         }
-        out.extend_from_slice(end.as_bytes());
-        out.extend_from_slice(self.color.1.as_bytes());
-        self.clear = false;
+        out.extend(self.end.bytes());
     }
 }
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-/// What the loop is asked to do while it waits for the next frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Action {
-    /// End; by this signal if there is one.
-    Quit(Option<i32>),
-    Pause,
-    /// Switch the shading off or on.
-    Shade,
-    /// Stop, until the shell continues the program.
-    Suspend,
-    /// Go on after a stop.
-    #[cfg_attr(windows, allow(dead_code, reason = "Windows stops no programs"))]
-    Resume,
-    Redraw,
-}
-
-type Sender = mpsc::Sender<io::Result<Action>>;
-type Receiver = mpsc::Receiver<io::Result<Action>>;
-
-impl Action {
-    fn of(key: KeyEvent) -> Option<Action> {
-        match (key.code, key.modifiers) {
-            _ if !key.is_press() => None,
-            (KeyCode::Char('c'), KeyModifiers::CONTROL) => Some(Action::Quit(None)),
-            (KeyCode::Char('z'), KeyModifiers::CONTROL) => Some(Action::Suspend),
-            (KeyCode::Char('q') | KeyCode::Esc, KeyModifiers::NONE) => Some(Action::Quit(None)),
-            (KeyCode::Char('p'), KeyModifiers::NONE) => Some(Action::Pause),
-            (KeyCode::Char(' '), KeyModifiers::NONE) => Some(Action::Shade),
-            _ => None,
-        }
-    }
-}
-
+/// The longest wait before the loop looks whether the terminal has another size or another owner.
+const LOOK: Duration = Duration::from_millis(100);
 /// The code of an arrow key begins as Esc does. This is how long the rest of it may take.
 const ESCAPE: Duration = Duration::from_millis(20);
-/// In this time the other threads surely see that the terminal was given back.
-const SETTLE: Duration = Duration::from_millis(50);
-/// How long the loop waits at most before it looks again whether the terminal is there, in front, and
-/// as large as before.
-const LOOK: Duration = Duration::from_millis(500);
-/// How many bytes are written to a terminal at once. A frame of 80x22 is one piece.
-const PIECE: usize = 2048;
+/// How long it may take to restore the terminal.
+const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Standard output and, if that is a terminal, who has it.
+/// Standard output and, if that is a terminal, its state.
 ///
-/// The main thread takes the terminal, writes to it, and gives it back. Other threads read keys and
-/// receive signals, and send actions to the main thread. After a panic the terminal is given back by
-/// the thread that it happens in.
+/// The donut takes the terminal when it runs in the foreground. It restores it before another job has
+/// it, at the end, and when the program panics.
 struct Screen {
     output: Output,
-    /// Standard output without std's line buffer, so that one write is one system call.
-    stdout: File,
-    /// Whether there are keys to read, in raw mode.
-    keys: bool,
-    /// Whether the donut has a screen of its own, or stays behind on the one it found.
-    alternate: bool,
-    /// Whether the donut has the terminal. Only then does it read keys and draw.
+    escapes: Escapes,
+    file: File,
+    /// Whether keys can be read from standard input.
+    has_keys: bool,
     taken: AtomicBool,
-    /// The writes that began plus those that ended: odd during a write.
-    writes: AtomicUsize,
-    /// Whether the program is about to end.
-    ending: AtomicBool,
-    /// Whether it ends because the terminal does not read.
-    unread: AtomicBool,
+    /// What signals ask for.
+    quit: Arc<AtomicBool>,
+    suspend: Arc<AtomicBool>,
+    resume: Arc<AtomicBool>,
+    resize: Arc<AtomicBool>,
 }
 
 impl Screen {
-    fn new(output: Output, alternate: bool) -> io::Result<Screen> {
-        Ok(Screen {
+    fn open(output: Output, options: &Options) -> io::Result<Arc<Screen>> {
+        let screen = Arc::new(Screen {
             output,
-            stdout: system::stdout()?,
-            keys: output == Output::Terminal && io::stdin().is_terminal(),
-            alternate,
+            escapes: Escapes::new(output, options),
+            file: open_output()?,
+            has_keys: output == Output::Terminal && io::stdin().is_terminal(),
             taken: AtomicBool::new(false),
-            writes: AtomicUsize::new(0),
-            ending: AtomicBool::new(false),
-            unread: AtomicBool::new(false),
-        })
+            quit: Arc::default(),
+            suspend: Arc::default(),
+            resume: Arc::default(),
+            resize: Arc::default(),
+        });
+        if output == Output::Terminal {
+            screen.guard()?;
+        }
+        if screen.has_keys {
+            // This reads nothing yet, but it fails if no keys can be read.
+            event::poll(Duration::ZERO)?;
+        }
+        Ok(screen)
     }
 
-    /// Starts to send what keys and signals ask for, and makes a panic give the terminal back.
-    fn watch(self: &Arc<Screen>, sender: &Sender) -> io::Result<()> {
+    /// Makes signals and panics restore the terminal.
+    fn guard(self: &Arc<Screen>) -> io::Result<()> {
         let (screen, report) = (self.clone(), panic::take_hook());
         panic::set_hook(Box::new(move |panic| {
-            screen.ending.store(true, SeqCst);
-            let _ = screen.give_back();
+            let _ = screen.restore();
             report(panic);
-            // Whichever thread it was: 101 is the exit code of a panic.
-            process::exit(101);
         }));
-        self.watch_signals(sender)?;
-        if self.keys {
-            let (screen, sender) = (self.clone(), sender.clone());
-            thread::spawn(move || {
-                let Err(error) = screen.read_keys(&sender);
-                sender.send(Err(error))
-            });
-        }
-        Ok(())
-    }
-
-    /// Sends the action that each of these signals asks for.
-    fn watch_signals(self: &Arc<Screen>, sender: &Sender) -> io::Result<()> {
-        let (screen, quit) = (self.clone(), sender.clone());
+        let screen = self.clone();
         // SIGINT, SIGTERM and SIGHUP.
-        ctrlc::set_handler(move || screen.send(&quit, Action::Quit(None)))
-            .map_err(io::Error::other)?;
+        let handler = move || {
+            screen.quit.store(true, SeqCst);
+            // The loop now ends the program, unless it hangs in a write that waits for room.
+            thread::sleep(2 * PATIENCE);
+            if screen.is_in_foreground().unwrap_or(false) {
+                let _ = screen.drop_unread();
+                thread::sleep(PATIENCE / 2);
+                let _ = terminal::disable_raw_mode();
+            }
+            process::exit(1)
+        };
+        ctrlc::set_handler(handler).map_err(io::Error::other)?;
         #[cfg(unix)]
-        {
-            let (screen, sender) = (self.clone(), sender.clone());
-            let mut signals = Signals::new([SIGTSTP, SIGCONT, SIGQUIT])?;
-            thread::spawn(move || {
-                for signal in signals.forever() {
-                    let action = match signal {
-                        SIGTSTP => Action::Suspend,
-                        SIGCONT => Action::Resume,
-                        _ => Action::Quit(Some(signal)),
-                    };
-                    screen.send(&sender, action);
-                }
-            });
+        for (signal, flag) in [
+            (SIGQUIT, &self.quit),
+            (SIGTSTP, &self.suspend),
+            (SIGCONT, &self.resume),
+            (SIGWINCH, &self.resize),
+        ] {
+            signal_hook::flag::register(signal, flag.clone())?;
         }
         Ok(())
     }
 
-    fn read_keys(&self, sender: &Sender) -> io::Result<Infallible> {
-        loop {
-            // A program that reads in the background is stopped, with all its threads.
-            while !self.taken.load(SeqCst) {
-                thread::sleep(SETTLE);
-            }
-            // A new size ends this loop. `give_back` makes one up, for the donut must not read then.
-            while let Event::Key(mut key) = event::read()? {
-                // A person who presses Esc presses nothing else so soon: what follows it is the rest of
-                // another key's code, which came late over a slow line.
-                while cfg!(unix) && key == KeyCode::Esc.into() && event::poll(ESCAPE)? {
-                    let Event::Key(next) = event::read()? else { break };
-                    key = next;
-                }
-                if let Some(action) = Action::of(key) {
-                    self.send(sender, action);
-                }
-            }
-            self.send(sender, Action::Redraw);
+    /// Whether the terminal may be the donut's. When it may not be, or somebody else may have used it
+    /// meanwhile, it is restored. After Ctrl-Z this stops, until a shell continues the program.
+    fn may_draw(&self) -> io::Result<bool> {
+        #[cfg(unix)]
+        // In the first job of a session nobody could continue it.
+        if self.suspend.swap(false, SeqCst) && getsid(None) != Ok(getpgrp()) {
+            // An error will be one again when the program is continued.
+            let _ = self.restore();
+            signal_hook::low_level::raise(SIGSTOP)?;
+            // A second Ctrl-Z, pressed just before the stop, must not stop it again.
+            self.suspend.store(false, SeqCst);
         }
+        let is_in_foreground = self.is_in_foreground()?;
+        if !is_in_foreground || self.resume.swap(false, SeqCst) {
+            self.restore()?;
+        }
+        Ok(is_in_foreground)
     }
 
-    /// Sends an action to the loop. After a Quit it does not return, but waits until the program ends.
-    fn send(&self, sender: &Sender, action: Action) {
-        let quit = matches!(action, Action::Quit(_));
-        self.ending.fetch_or(quit, SeqCst);
-        let _ = sender.send(Ok(action));
-        if quit {
-            self.end_if_nobody_reads();
+    /// A program in the background that reads from the terminal, or changes its settings, is stopped.
+    fn is_in_foreground(&self) -> io::Result<bool> {
+        #[cfg(unix)]
+        if self.output == Output::Terminal {
+            let group =
+                if self.has_keys { tcgetpgrp(io::stdin()) } else { tcgetpgrp(io::stdout()) };
+            return match group {
+                Ok(group) => Ok(group == getpgrp()),
+                Err(Errno::IO) => Err(Errno::IO.into()),
+                // A terminal that controls no session has no background.
+                Err(_) => Ok(true),
+            };
         }
-    }
-
-    /// Waits for the main thread to end the program. If one write takes 0.7 s, the terminal does not
-    /// read. Then what it has not read is dropped, so that the main thread can go on, and end. If it
-    /// still does not, this ends the program.
-    fn end_if_nobody_reads(&self) -> ! {
-        let (mut writes, mut waits) = (0, 0);
-        while waits < 7 {
-            let now = self.writes.load(SeqCst);
-            waits = if now == writes && now % 2 == 1 { waits + 1 } else { 0 };
-            writes = now;
-            if waits > 0 && self.is_in_front().unwrap_or(false) {
-                let _ = system::wake_write();
-            }
-            thread::sleep(Duration::from_millis(100));
-        }
-        self.unread.store(true, SeqCst);
-        let in_front = self.is_in_front().unwrap_or(false);
-        if in_front {
-            let _ = system::drop_unread_output();
-        }
-        thread::sleep(Duration::from_millis(300));
-        if in_front {
-            let _ = terminal::disable_raw_mode();
-        }
-        process::exit(1)
-    }
-
-    /// Whether the donut runs in the foreground of the terminal. In the background the terminal is the
-    /// shell's or another job's, and a program that changes its settings is stopped.
-    fn is_in_front(&self) -> io::Result<bool> {
-        if self.output == Output::Terminal { system::is_in_front(self.keys) } else { Ok(true) }
-    }
-
-    /// Takes the terminal. False if the donut has it already, or is about to end.
-    fn take(&self) -> io::Result<bool> {
-        let ending = self.ending.load(SeqCst);
-        if self.output != Output::Terminal || ending || self.taken.swap(true, SeqCst) {
-            return Ok(false);
-        }
-        if self.keys {
-            // crossterm may believe that raw mode is on, where a shell has ended it since.
-            terminal::disable_raw_mode()?;
-            terminal::enable_raw_mode()?;
-            system::never_wait_to_read()?;
-        }
-        let mut bytes = Vec::new();
-        if self.alternate {
-            queue!(bytes, EnterAlternateScreen)?;
-        }
-        queue!(bytes, Hide)?;
-        self.write(&bytes)?;
         Ok(true)
     }
 
-    /// Gives the terminal back as it was found, if the donut has it. In the background its settings are
-    /// left alone: the shell has restored them.
-    fn give_back(&self) -> io::Result<()> {
+    /// Takes the terminal. False if the donut has it already.
+    fn take(&self) -> io::Result<bool> {
+        let is_new = !self.taken.swap(true, SeqCst);
+        #[cfg(unix)]
+        if is_new && self.has_keys {
+            // crossterm may believe that raw mode is on, where a shell has ended it since.
+            terminal::disable_raw_mode()?;
+            terminal::enable_raw_mode()?;
+            // Ctrl-C, Ctrl-Z and Ctrl-\ stay signals, and a newline still begins a line. No read waits:
+            // crossterm reads on after half of a key's code.
+            let mut settings = tcgetattr(io::stdin())?;
+            settings.local_modes.insert(LocalModes::ISIG);
+            settings.output_modes.insert(OutputModes::OPOST);
+            settings.special_codes[SpecialCodeIndex::VMIN] = 0;
+            tcsetattr(io::stdin(), OptionalActions::Now, &settings)?;
+        }
+        Ok(is_new)
+    }
+
+    /// Leaves the terminal as it was found, if the donut has it.
+    fn restore(&self) -> io::Result<()> {
         if !self.taken.swap(false, SeqCst) {
             return Ok(());
         }
-        system::wake_reader();
-        // The terminal of the keys may be gone, and that of the picture still there.
-        let in_front = self.is_in_front().unwrap_or(true);
-        let mut bytes = Vec::new();
-        queue!(bytes, EndSynchronizedUpdate, ResetColor, Show)?;
-        if self.alternate {
-            queue!(bytes, LeaveAlternateScreen)?;
-        } else {
-            bytes.extend(b"\r\n");
+        // Standard input's terminal may be gone while standard output's is still there.
+        let is_in_foreground = self.is_in_foreground().unwrap_or(true);
+        let mut settings = Ok(());
+        if is_in_foreground && self.has_keys {
+            settings = terminal::disable_raw_mode();
         }
-        let settings = if in_front { terminal::disable_raw_mode() } else { Ok(()) };
-        if in_front || system::may_write_in_background()? {
-            self.write(&bytes)?;
+        #[cfg(unix)]
+        if !is_in_foreground && tcgetattr(io::stdout())?.local_modes.contains(LocalModes::TOSTOP) {
+            // The shell has restored the settings, and nothing may be written.
+            return Ok(());
+        }
+        let (mut out, start) = (self.escapes.restore.into(), Instant::now());
+        self.write(&mut out)?;
+        while !out.is_empty() && start.elapsed() < PATIENCE {
+            self.wait(LOOK, true)?;
+            self.write(&mut out)?;
+        }
+        if !out.is_empty() && is_in_foreground {
+            self.drop_unread()?;
+            self.write(&mut out)?;
+            return Err(io::Error::other("the terminal accepts no more output"));
         }
         settings
     }
 
-    /// Writes a frame: at once to a pipe, and in pieces to a terminal. When the program is about to end,
-    /// the rest of the frame is left out.
-    fn write_frame(&self, frame: &[u8]) -> io::Result<()> {
-        let size = if self.output == Output::Terminal { PIECE } else { frame.len() };
-        let mut pieces = frame.chunks(size).take_while(|_| !self.ending.load(SeqCst));
-        pieces.try_for_each(|piece| self.write(piece))
+    /// Drops what a stalled terminal has not read.
+    fn drop_unread(&self) -> io::Result<()> {
+        #[cfg(unix)]
+        {
+            tcflush(io::stdout(), QueueSelector::OFlush)?;
+            // Linux may leave a write asleep that has room again. This wakes it.
+            tcflow(io::stdout(), Action::OOff)?;
+            tcflow(io::stdout(), Action::OOn)?;
+        }
+        Ok(())
     }
 
-    fn write(&self, mut piece: &[u8]) -> io::Result<()> {
-        self.writes.fetch_add(1, SeqCst);
-        let mut written = Ok(());
-        while !piece.is_empty() && written.is_ok() {
-            match (&self.stdout).write(piece) {
-                Ok(0) => written = Err(io::ErrorKind::WriteZero.into()),
-                Ok(bytes) => piece = &piece[bytes..],
+    /// Writes what there is room for, and leaves the rest in `out`.
+    fn write(&self, out: &mut Vec<u8>) -> io::Result<()> {
+        while !out.is_empty() {
+            match (&self.file).write(out) {
+                Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
+                Ok(bytes) => drop(out.drain(..bytes)),
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                // Another program may have left the terminal so that no write waits for it.
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                    thread::sleep(Duration::from_millis(5));
-                }
-                Err(error) => written = Err(error),
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => break,
+                Err(error) => return Err(error),
             }
         }
-        self.writes.fetch_add(1, SeqCst);
-        written
+        Ok(())
+    }
+
+    /// Waits for `time` at most: for a key, for a signal or, if something is `unwritten`, for room. True
+    /// if a key has come.
+    fn wait(&self, time: Duration, unwritten: bool) -> io::Result<bool> {
+        let has_keys = self.has_keys && self.taken.load(SeqCst);
+        if !has_keys && !unwritten {
+            thread::sleep(time);
+            return Ok(false);
+        }
+        #[cfg(unix)]
+        {
+            let wanted = |fd, events| pollfd { fd, events, revents: 0 };
+            let key = wanted(io::stdin().as_raw_fd(), POLLIN);
+            let room = wanted(self.file.as_raw_fd(), POLLOUT);
+            let mut both = [key, room];
+            let wanted = &mut both[usize::from(!has_keys)..1 + usize::from(unwritten)];
+            // It counts whole milliseconds, and drops the rest. A signal is an error.
+            let _ = poll(wanted, Some(time + Duration::from_micros(999)));
+            Ok(both[0].revents & POLLIN != 0)
+        }
+        #[cfg(windows)]
+        event::poll(time)
+    }
+
+    /// The keys that were pressed, without Ctrl or Alt.
+    fn keys(&self) -> io::Result<Vec<KeyCode>> {
+        let mut keys = Vec::new();
+        // A program that was continued may be in the background. (A poll for no time does not look.)
+        while !self.resume.load(SeqCst) && event::poll(Duration::from_millis(1))? {
+            let mut event = event::read()?;
+            // A person who presses Esc presses nothing else so soon: what follows it is the rest of
+            // another key's code, which came late over a slow line.
+            while cfg!(unix) && event == Event::Key(KeyCode::Esc.into()) && event::poll(ESCAPE)? {
+                match event::read()? {
+                    next @ Event::Key(_) => event = next,
+                    _ => break,
+                }
+            }
+            let key = event.as_key_press_event().filter(|key| key.modifiers.is_empty());
+            keys.extend(key.map(|key| key.code));
+        }
+        Ok(keys)
     }
 
     /// Columns and rows of the terminal; 80x24 for one that does not know, and for a pipe.
     fn size(&self) -> io::Result<(u16, u16)> {
-        let size = if self.output == Output::Pipe { (0, 0) } else { system::terminal_size()? };
+        if self.output == Output::Pipe {
+            return Ok((80, 24));
+        }
+        #[cfg(unix)]
+        let size = tcgetwinsize(io::stdout()).map(|size| (size.ws_col, size.ws_row))?;
+        #[cfg(windows)]
+        let size = terminal::size()?;
         Ok(if size.0 > 0 && size.1 > 0 { size } else { (80, 24) })
     }
 }
 
-// ---- Loop ----------------------------------------------------------------------------------------
-
-/// The angles A and B, frame after frame.
-///
-/// They are `origin + frames * spin`. `exact` counts the frames. donut.c adds the spin to a `float` in
-/// each frame, so for `classic` the sum becomes the new origin, and the count stays 0.
-struct Clock {
-    origin: [f64; 2],
-    frames: u64,
-    spin: [f64; 2],
-}
-
-impl Clock {
-    fn angles(&self) -> [f64; 2] {
-        [0, 1].map(|i| self.origin[i] + self.frames as f64 * self.spin[i])
-    }
-
-    /// donut.c's next angles.
-    fn next_floats(&self) -> [f64; 2] {
-        let angles = self.angles();
-        [0, 1].map(|i| advance(angles[i] as f32, self.spin[i]).into())
-    }
-
-    /// Whether the next step of donut.c's clock is right to a tenth of the spin.
-    ///
-    /// From frame 3,345,245 on, where A reaches 2^17, a step of 0.04 is rounded to 0.047. From frame
-    /// 22,918,663 on, where it reaches 2^20, the step is rounded to 0, and A stands still.
-    fn floats_are_fine(&self) -> bool {
-        let (angles, next) = (self.angles(), self.next_floats());
-        let error = |i: usize| next[i] - f64::from(angles[i] as f32) - self.spin[i];
-        (0..2).all(|i| error(i).abs() <= 0.1 * self.spin[i].abs())
-    }
-
-    fn tick(&mut self, method: Method) {
-        if method == Method::Classic {
-            (self.origin, self.frames) = (self.next_floats(), 0);
-        } else {
-            self.frames += 1;
-        }
-    }
-}
-
-impl Method {
-    /// The method for this picture: `auto` is decided here.
-    fn choose(self, view: &View, clock: &Clock) -> Method {
-        match self {
-            Method::Auto if *view == View::DONUT_C && clock.floats_are_fine() => Method::Classic,
-            Method::Auto => Method::Exact,
-            chosen => chosen,
-        }
-    }
-}
-
-/// The donut as it is shown, frame after frame.
-struct Animation<'a> {
-    options: &'a Options,
-    screen: Arc<Screen>,
-    /// Columns and rows of the terminal when the last frame was drawn.
-    size: (u16, u16),
-    renderer: Renderer,
-    clock: Clock,
-    encoder: Encoder,
-    paused: bool,
-    /// When the next frame is to be drawn.
-    due: Instant,
-    /// The bytes of a frame.
-    out: Vec<u8>,
-}
-
-/// Shows the donut until the last frame is drawn, or somebody ends it, or its reader goes away.
-fn run(options: &Options) -> io::Result<()> {
-    if options.frames == Some(0) {
-        return Ok(());
-    }
-    let output = Output::detect();
-    let mut animation = Animation::new(options, output)?;
-    let (sender, actions) = mpsc::channel();
-    match output {
-        Output::Pipe => animation.play(&actions).map(drop),
-        Output::DumbTerminal => animation.draw(),
-        Output::Terminal => {
-            let screen = animation.screen.clone();
-            screen.watch(&sender)?;
-            let played = animation.play(&actions);
-            let given_back = screen.give_back();
-            let signal = played?;
-            given_back?;
-            if screen.unread.load(SeqCst) {
-                return Err(io::Error::other("the terminal does not read"));
-            }
-            signal.map_or(Ok(()), system::end_by)
-        }
-    }
-}
-
-/// The time from one frame to the next. At 0 frames a second every frame is due at once.
-fn interval(fps: f64) -> Duration {
-    // 31 years are long enough. A longer time may not fit into a Duration.
-    Duration::from_secs_f64(if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 })
-}
-
-/// The view for the size of the options, clipped to the terminal.
-fn view(options: &Options, output: Output, (columns, rows): (u16, u16)) -> View {
-    let clip = |asked: Option<u16>, most: u16| match asked {
-        Some(asked) if output == Output::Pipe => asked,
-        asked => asked.unwrap_or(4096).min(most),
-    };
-    let width = clip(options.width, columns);
-    let height = clip(options.height, rows.saturating_sub(2).max(1));
-    let (r2, k2) = options.ratios();
-    View::new(width.into(), height.into(), options.aspect, r2, k2)
-}
-
-/// Drops the actions that come within 50 ms, but for a Quit, which it returns.
-fn drop_actions(actions: &Receiver) -> io::Result<Option<Option<i32>>> {
-    let end = Instant::now() + SETTLE;
-    let wait = || end.saturating_duration_since(Instant::now());
-    while let Ok(action) = actions.recv_timeout(wait()) {
-        if let Action::Quit(signal) = action? {
-            return Ok(Some(signal));
-        }
-    }
-    Ok(None)
-}
-
-impl Animation<'_> {
-    fn new(options: &Options, output: Output) -> io::Result<Animation<'_>> {
-        let screen = Arc::new(Screen::new(output, options.frames.is_none())?);
-        let size = screen.size()?;
-        Ok(Animation {
-            options,
-            screen,
-            size,
-            renderer: Renderer::new(view(options, output, size), options.method),
-            clock: Clock { origin: [options.a, options.b], frames: 0, spin: options.spin },
-            encoder: Encoder::new(output, options.color),
-            paused: false,
-            due: Instant::now(),
-            out: Vec::new(),
-        })
-    }
-
-    /// donut.c's `for (;;)`: draws a frame when it is due, and obeys in between. Returns the signal that
-    /// ended it, if any.
-    fn play(&mut self, actions: &Receiver) -> io::Result<Option<i32>> {
-        let interval = interval(self.options.fps);
-        let (mut frames, mut wait) = (0, Duration::ZERO);
-        while frames < self.options.frames.unwrap_or(u64::MAX) {
-            // All waiting actions are obeyed before the next drawing.
-            let first = actions.recv_timeout(wait).ok();
-            let mut redraw = first.is_some();
-            for action in first.into_iter().chain(actions.try_iter()) {
-                if let ControlFlow::Break(signal) = self.obey(action?, actions)? {
-                    return Ok(signal);
-                }
-            }
-            if !self.screen.is_in_front()? {
-                self.screen.give_back()?;
-                // A shell that brings a running job to its foreground does not say so.
-                wait = Duration::from_millis(100);
-                continue;
-            }
-            if self.screen.take()? {
-                (self.encoder.clear, redraw) = (true, true);
-            }
-            redraw |= self.fit()?;
-            let due = !self.paused && self.due <= Instant::now();
-            if due && frames > 0 {
-                self.clock.tick(self.renderer.method);
-            }
-            if due || redraw && frames > 0 {
-                self.draw()?;
-            }
-            if due {
-                // Absolute deadlines do not drift; after a stall it goes on from now.
-                self.due = (self.due + interval).max(Instant::now());
-                frames += 1;
-            }
-            let until_due = self.due.saturating_duration_since(Instant::now());
-            wait = if self.paused { LOOK } else { until_due.min(LOOK) };
-        }
-        Ok(None)
-    }
-
-    fn obey(&mut self, action: Action, actions: &Receiver) -> io::Result<ControlFlow<Option<i32>>> {
-        match action {
-            Action::Quit(signal) => return Ok(ControlFlow::Break(signal)),
-            Action::Pause => (self.paused, self.due) = (!self.paused, Instant::now()),
-            Action::Shade => {
-                self.renderer.ramp = if self.renderer.ramp == RAMP { FLAT } else { RAMP };
-            }
-            Action::Redraw => self.encoder.clear = true,
-            // Others may have used the terminal meanwhile. Once it is given back, the loop takes it
-            // again.
-            Action::Resume => self.screen.give_back()?,
-            Action::Suspend if system::can_suspend() => return self.suspend(actions),
-            Action::Suspend => {}
-        }
-        Ok(ControlFlow::Continue(()))
-    }
-
-    /// Gives the terminal back and stops, until the shell says `fg` or `bg`.
-    fn suspend(&mut self, actions: &Receiver) -> io::Result<ControlFlow<Option<i32>>> {
-        self.screen.give_back()?;
-        // The reader of keys must see first that it may not read in the background.
-        if let Some(signal) = drop_actions(actions)? {
-            return Ok(ControlFlow::Break(signal));
-        }
-        system::suspend()?;
-        // A second Ctrl-Z that was pressed around the stop must not stop it at once again.
-        let quit = drop_actions(actions)?;
-        Ok(quit.map_or(ControlFlow::Continue(()), ControlFlow::Break))
-    }
-
-    /// Makes the picture fit the terminal. True if its size has changed.
-    fn fit(&mut self) -> io::Result<bool> {
-        let size = self.screen.size()?;
-        let changed = size != self.size;
-        if changed {
-            (self.size, self.encoder.clear) = (size, true);
-            let view = view(self.options, self.screen.output, size);
-            if view != self.renderer.view {
-                let ramp = self.renderer.ramp;
-                self.renderer = Renderer { ramp, ..Renderer::new(view, self.options.method) };
-            }
-        }
-        Ok(changed)
-    }
-
-    fn draw(&mut self) -> io::Result<()> {
-        let view = self.renderer.view;
-        self.renderer.method = self.options.method.choose(&view, &self.clock);
-        let [a, b] = self.clock.angles();
-        self.renderer.render_frame(a, b);
-        self.out.clear();
-        self.encoder.encode(&self.renderer.framebuffer, view.width, &mut self.out);
-        self.screen.write_frame(&self.out)
-    }
-}
-
-// ---- System --------------------------------------------------------------------------------------
-
-/// What differs between operating systems, on Unix.
+/// Standard output without a buffer. The program's own terminal is opened once more, so that writes do
+/// not wait for room. (To ask that of standard output itself would ask it of the shell's, too.)
 #[cfg(unix)]
-mod system {
-    use std::fs::File;
-    use std::io;
-    use std::os::fd::AsFd;
-
-    use rustix::io::Errno;
-    use rustix::process::{Signal, getpgrp, getsid, kill_current_process_group};
-    use rustix::termios::{
-        self, Action, LocalModes, OptionalActions, QueueSelector, SpecialCodeIndex, tcflow,
-        tcflush, tcgetattr, tcgetpgrp, tcsetattr,
-    };
-
-    pub fn stdout() -> io::Result<File> {
-        Ok(io::stdout().as_fd().try_clone_to_owned()?.into())
-    }
-
-    pub fn terminal_size() -> io::Result<(u16, u16)> {
-        let size = termios::tcgetwinsize(io::stdout())?;
-        Ok((size.ws_col, size.ws_row))
-    }
-
-    pub fn is_in_front(keys: bool) -> io::Result<bool> {
-        match if keys { tcgetpgrp(io::stdin()) } else { tcgetpgrp(io::stdout()) } {
-            Ok(group) => Ok(group == getpgrp()),
-            Err(Errno::IO) => Err(Errno::IO.into()),
-            // A terminal that controls no session has no background.
-            Err(_) => Ok(true),
-        }
-    }
-
-    /// Whether the terminal lets programs in its background write.
-    pub fn may_write_in_background() -> io::Result<bool> {
-        Ok(!tcgetattr(io::stdout())?.local_modes.contains(LocalModes::TOSTOP))
-    }
-
-    /// Whether a shell waits to continue a program that is stopped. None does where the program belongs
-    /// to the first process of the session.
-    pub fn can_suspend() -> bool {
-        getsid(None) != Ok(getpgrp())
-    }
-
-    /// Stops the whole job, as the terminal's own Ctrl-Z does: its shell waits for the first process.
-    pub fn suspend() -> io::Result<()> {
-        Ok(kill_current_process_group(Signal::STOP)?)
-    }
-
-    /// Makes a read return where no key waits. crossterm reads on after half of a key's code, and a read
-    /// in the background would stop the program.
-    pub fn never_wait_to_read() -> io::Result<()> {
-        let mut settings = tcgetattr(io::stdin())?;
-        settings.special_codes[SpecialCodeIndex::VMIN] = 0;
-        Ok(tcsetattr(io::stdin(), OptionalActions::Now, &settings)?)
-    }
-
-    /// Ends a wait for keys: crossterm takes this signal for a new size.
-    pub fn wake_reader() {
-        let _ = signal_hook::low_level::raise(signal_hook::consts::SIGWINCH);
-    }
-
-    /// Drops what is written but not read.
-    pub fn drop_unread_output() -> io::Result<()> {
-        tcflush(io::stdout(), QueueSelector::OFlush)?;
-        wake_write()
-    }
-
-    /// Wakes a write that waits: where Ctrl-S holds it, or where it has room again and Linux lets it
-    /// sleep on.
-    pub fn wake_write() -> io::Result<()> {
-        tcflow(io::stdout(), Action::OOff)?;
-        Ok(tcflow(io::stdout(), Action::OOn)?)
-    }
-
-    /// Ends the program as the signal would have.
-    pub fn end_by(signal: i32) -> io::Result<()> {
-        signal_hook::low_level::emulate_default_handler(signal)
+fn open_output() -> io::Result<File> {
+    let flags = OFlags::WRONLY | OFlags::NONBLOCK | OFlags::NOCTTY | OFlags::CLOEXEC;
+    let is_own_terminal = tcgetpgrp(io::stdout()).is_ok();
+    match rustix::fs::open("/dev/tty", flags, Mode::empty()) {
+        Ok(terminal) if is_own_terminal => Ok(terminal.into()),
+        _ => Ok(io::stdout().as_fd().try_clone_to_owned()?.into()),
     }
 }
 
-/// The same on Windows, which has no background and no job to suspend.
+/// Standard output without a buffer.
 #[cfg(windows)]
-mod system {
-    use std::fs::File;
-    use std::io;
-    use std::os::windows::io::AsHandle;
-
-    pub use crossterm::terminal::size as terminal_size;
-
-    pub fn stdout() -> io::Result<File> {
-        Ok(io::stdout().as_handle().try_clone_to_owned()?.into())
-    }
-
-    pub fn is_in_front(_keys: bool) -> io::Result<bool> {
-        Ok(true)
-    }
-
-    pub fn may_write_in_background() -> io::Result<bool> {
-        Ok(true)
-    }
-
-    pub fn can_suspend() -> bool {
-        false
-    }
-
-    pub fn suspend() -> io::Result<()> {
-        Ok(())
-    }
-
-    pub fn never_wait_to_read() -> io::Result<()> {
-        Ok(())
-    }
-
-    pub fn wake_reader() {}
-
-    pub fn drop_unread_output() -> io::Result<()> {
-        Ok(())
-    }
-
-    pub fn wake_write() -> io::Result<()> {
-        Ok(())
-    }
-
-    pub fn end_by(_signal: i32) -> io::Result<()> {
-        Ok(())
-    }
+fn open_output() -> io::Result<File> {
+    // To ask is to make the console understand escapes.
+    crossterm::ansi_support::supports_ansi();
+    Ok(io::stdout().as_handle().try_clone_to_owned()?.into())
 }
 
 #[cfg(test)]

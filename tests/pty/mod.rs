@@ -131,34 +131,50 @@ impl Pty {
         self.master = None;
     }
 
+    /// The program's process.
+    pub fn process(&self) -> u32 {
+        self.child.process_id().unwrap()
+    }
+
     /// Sends a signal to the program and to all that it runs.
     pub fn signal(&self, name: &str) {
-        let group = format!("-{}", self.child.process_id().unwrap());
+        let group = format!("-{}", self.process());
         let mut kill = Command::new("kill");
         assert!(kill.args(["-s", name, "--", &group]).status().unwrap().success());
     }
 
-    /// Process and state of what the program runs, when it runs one: T is stopped.
-    pub fn job(&self) -> Option<(String, String)> {
-        let parent = self.child.process_id().unwrap().to_string();
-        let columns = ["-A", "-o", "ppid=", "-o", "pid=", "-o", "state="];
+    /// What `ps` says of the process that the program runs, in one column.
+    fn job_column(&self, column: &str) -> Option<String> {
+        let parent = self.process().to_string();
+        let columns = ["-A", "-o", "ppid=", "-o", column];
         let processes = Command::new("ps").args(columns).output().unwrap();
         let processes = String::from_utf8(processes.stdout).unwrap();
         processes.lines().find_map(|line| {
-            let mut words = line.split_whitespace().map(str::to_string);
-            let (ppid, pid, state) = (words.next()?, words.next()?, words.next()?);
-            (ppid == parent && !state.starts_with('Z')).then_some((pid, state))
+            let (ppid, value) = line.trim().split_once(' ')?;
+            (ppid == parent).then(|| value.trim().to_string())
         })
+    }
+
+    /// The process that the program runs, until the program knows that it has ended.
+    pub fn job(&self) -> Option<String> {
+        self.job_column("pid=")
+    }
+
+    /// Whether what the program runs has a handler for SIGTERM, and can be killed gracefully.
+    pub fn is_ready_to_be_killed(&self) -> bool {
+        let caught =
+            self.job_column("caught=").and_then(|mask| u64::from_str_radix(&mask, 16).ok());
+        caught.is_some_and(|mask| mask & 1 << 14 != 0)
     }
 
     /// Whether what the program runs is stopped.
     pub fn is_stopped(&self) -> bool {
-        self.job().is_some_and(|(_, state)| state.starts_with('T'))
+        self.job_column("state=").is_some_and(|state| state.starts_with('T'))
     }
 
     /// Sends a signal to what the program runs, and to nothing else.
     pub fn signal_job(&self, name: &str) {
-        let (process, _) = self.job().expect("a job");
+        let process = self.job().expect("a job");
         assert!(Command::new("kill").args(["-s", name, &process]).status().unwrap().success());
     }
 
@@ -236,7 +252,7 @@ impl Pty {
     }
 
     /// Whether the program has changed the terminal's settings.
-    pub fn is_raw(&self) -> bool {
+    pub fn is_changed(&self) -> bool {
         self.settings_now() != self.settings
     }
 
