@@ -23,26 +23,12 @@ _donut() {
 
     case "${cmd}" in
         donut)
-            opts="-A -B -h -V --width --height --fps --frames --method --spin --color --aspect --r1 --r2 --k2 --help --version"
+            opts="-A -B -h -V --fps --frames --spin --method --color --width --height --aspect --r1 --r2 --k2 --help --version"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
             case "${prev}" in
-                --width)
-                    COMPREPLY=("${cur}")
-                    if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
-                        compopt -o nospace
-                    fi
-                    return 0
-                    ;;
-                --height)
-                    COMPREPLY=("${cur}")
-                    if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
-                        compopt -o nospace
-                    fi
-                    return 0
-                    ;;
                 --fps)
                     COMPREPLY=("${cur}")
                     if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
@@ -57,8 +43,8 @@ _donut() {
                     fi
                     return 0
                     ;;
-                --method)
-                    COMPREPLY=($(compgen -W "auto classic exact" -- "${cur}"))
+                --spin)
+                    COMPREPLY=("${cur}")
                     if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
                         compopt -o nospace
                     fi
@@ -78,8 +64,8 @@ _donut() {
                     fi
                     return 0
                     ;;
-                --spin)
-                    COMPREPLY=("${cur}")
+                --method)
+                    COMPREPLY=($(compgen -W "auto classic exact" -- "${cur}"))
                     if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
                         compopt -o nospace
                     fi
@@ -87,6 +73,20 @@ _donut() {
                     ;;
                 --color)
                     COMPREPLY=($(compgen -W "black dark_grey grey white red green yellow blue magenta cyan dark_red dark_green dark_yellow dark_blue dark_magenta dark_cyan" -- "${cur}"))
+                    if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
+                        compopt -o nospace
+                    fi
+                    return 0
+                    ;;
+                --width)
+                    COMPREPLY=("${cur}")
+                    if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
+                        compopt -o nospace
+                    fi
+                    return 0
+                    ;;
+                --height)
+                    COMPREPLY=("${cur}")
                     if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
                         compopt -o nospace
                     fi

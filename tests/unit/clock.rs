@@ -72,6 +72,21 @@ fn auto_is_exact_where_floats_cannot_follow_the_spin() {
 }
 
 #[test]
+fn auto_is_exact_where_a_float_cannot_hold_the_angle() {
+    // Near 2^14 floats are 0.00195 apart, so that this angle is 0.0009 from the next one, or 0.00097.
+    for (angle, method) in [
+        (123_456_789.123, Method::Exact),
+        (16_384.000_9, Method::Classic),
+        (32_768.001_9, Method::Exact),
+    ] {
+        for [a, b] in [[angle, 0.0], [0.0, -angle]] {
+            let clock = Clock { spin: [0.0, 0.0], ..clock(a, b) };
+            assert!(Method::Auto.choose(&View::DONUT_C, &clock) == method, "{a} {b}");
+        }
+    }
+}
+
+#[test]
 fn auto_is_classic_as_long_as_floats_follow_the_spin_to_a_tenth() {
     // From 2^17 on floats are this far apart, and each of these spins is rounded to one such step.
     let apart = 0.015_625;

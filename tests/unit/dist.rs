@@ -8,23 +8,38 @@ use clap_mangen::roff::{Roff, bold, italic, roman};
 
 /// What the help does not say: it would be too long.
 const EXIT_STATUS: &str = "\
-  0  It was ended by a key, by --frames, by SIGINT, SIGTERM or SIGHUP on a terminal, or because the \
-     reader of the pipe went away.
-  1  It could not write, or could not read keys, or the terminal was gone or did not read.
+  0  A key, --frames, or SIGINT, SIGTERM, SIGHUP or SIGQUIT on a terminal ended it, or the reader of the \
+     pipe went away.
+  1  It could not write, or could not read keys, or the terminal was gone or accepted no more output.
   2  An option is wrong.
+  101  It panicked, which is a bug.
 
-SIGINT, SIGTERM and SIGHUP end it as usual when it writes into a pipe or a file. Other signals \
-     always do.";
+In a pipe or a file a signal ends it as usual: shells report 130 for SIGINT, 143 for SIGTERM, 129 for \
+     SIGHUP and 131 for SIGQUIT. However it ends, the terminal is restored, except after SIGKILL or a \
+     signal that no program expects, such as SIGSEGV.
+
+In the background it waits and draws nothing until fg brings it back. Where there is no shell to do \
+     that, as in ssh -t host donut, Ctrl-Z does nothing.";
 
 /// The sections after the options of the help, as headings and lines.
 fn help_sections() -> impl Iterator<Item = (&'static str, &'static str)> {
     AFTER_HELP.split("\n\n").map(|section| section.split_once(":\n").unwrap())
 }
 
-/// The names of the colours, as the help lists them.
+/// The names of the colours, as the help of --color lists them.
 fn color_names() -> Vec<&'static str> {
-    let colors = help_sections().find(|(heading, _)| *heading == "Colours");
-    colors.unwrap().1.split(',').map(str::trim).collect()
+    let command = Options::command();
+    let color = command.get_arguments().find(|option| option.get_id() == "color").unwrap();
+    let help = color.get_long_help().unwrap().to_string().replace(" and ", ", ");
+    let (_, names) = help.leak().split_once("The names are ").unwrap();
+    names.trim_end_matches('.').split(',').map(str::trim).collect()
+}
+
+/// The help's second paragraph: the first is NAME.
+fn description(page: &mut Roff) {
+    let about = Options::command().get_long_about().unwrap().to_string();
+    page.control("SH", ["DESCRIPTION"]);
+    page.text([roman(about.split_once("\n\n").unwrap().1)]);
 }
 
 fn synopsis(page: &mut Roff) {
@@ -50,11 +65,12 @@ fn synopsis(page: &mut Roff) {
     }
 }
 
-/// A line with two columns, which are two blanks apart, is an entry of a list.
+/// A line with two columns, which are two blanks apart, is an entry of a list. Examples are no lists.
 fn section(page: &mut Roff, heading: &str, lines: &str) {
     page.control("SH", [heading.to_uppercase().as_str()]);
     for line in lines.lines().map(str::trim) {
-        if let Some((term, meaning)) = line.split_once("  ") {
+        let columns = line.split_once("  ").filter(|_| heading != "Examples");
+        if let Some((term, meaning)) = columns {
             page.control("TP", ["16"]);
             page.text([bold(term)]);
             page.text([roman(meaning.trim())]);
@@ -73,6 +89,7 @@ fn manual_page() -> String {
     let man = Man::new(Options::command()).title("DONUT").date(" ").manual("User Commands");
     let (mut usage, mut sections) = (Roff::new(), Roff::new());
     synopsis(&mut usage);
+    description(&mut usage);
     for (heading, lines) in help_sections() {
         if heading == "Examples" {
             section(&mut sections, "Exit status", EXIT_STATUS);
@@ -82,7 +99,6 @@ fn manual_page() -> String {
     man.render_title(&mut page).unwrap();
     man.render_name_section(&mut page).unwrap();
     usage.to_writer(&mut page).unwrap();
-    man.render_description_section(&mut page).unwrap();
     man.render_options_section(&mut page).unwrap();
     sections.to_writer(&mut page).unwrap();
     let page = String::from_utf8(page).unwrap().replace('\u{a0}', "\\ ").replace("\n\n", "\n.sp\n");
@@ -140,7 +156,7 @@ fn the_manual_page_has_the_values_keys_colours_exit_codes_and_examples() {
         "[\\fB\\-\\-width\\fR\\ \\fICOLS\\fR]",
         "[\\fB\\-h\\fR|\\fB\\-\\-help\\fR]",
         ".SH KEYS\n.TP 16\n\\fBq, Esc, Ctrl\\-C\\fR\nquit\n",
-        ".SH COLOURS\nblack,",
+        "black, dark_grey,",
         ".SH \"EXIT STATUS\"\n.TP 16\n\\fB0\\fR\n",
         ".SH EXAMPLES\ndonut",
     ] {

@@ -14,10 +14,10 @@ pub struct Oracle {
     pub frame: [[f64; 3]; 3],
 }
 
-/// Where the truth itself is undecided in f64: 8 L this near to a whole number ...
-const LEVEL_TIE: f64 = 1e-9;
-/// ... or a ray that passes the surface this near, over the radius of the tube.
-const GRAZE_TIE: f64 = 1e-11;
+/// From so far below a whole number on, 8 L counts as that number: `exact` adds a hair before it truncates.
+const LEVEL_TIE: f64 = 1e-11;
+/// How well the radius of the tube is known, over R1 + R2: distances are rounded in f64.
+const GRAZE_TIE: f64 = 1e-13;
 
 pub fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {
     u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
@@ -37,38 +37,38 @@ impl Oracle {
 
     /// 8 L at the first hit of the ray in the direction (dx, dy, 1), or nothing.
     pub fn look(&self, dx: f64, dy: f64) -> Option<f64> {
+        self.look_at_tube(self.r1, dx, dy)
+    }
+
+    /// The same if the radius of the tube were another.
+    fn look_at_tube(&self, r1: f64, dx: f64, dy: f64) -> Option<f64> {
         let (q, u) = self.ray(dx, dy);
-        let t = self.first_hit(q, u, self.r1)?;
+        let t = self.first_hit(q, u, r1)?;
         let p = [0, 1, 2].map(|i| q[i] + t * u[i]);
         let ring = 1.0 - self.r2 / f64::hypot(p[0], p[1]);
         let normal = [p[0] * ring, p[1] * ring, p[2]];
         let light = self.frame.map(|axis| dot(axis, [0.0, -1.0, -1.0]));
-        Some(8.0 * dot(normal, light) / self.r1)
+        Some(8.0 * dot(normal, light) / r1)
     }
 
-    /// Whether the drawn level (nothing for a blank) is right, or the truth cannot be told.
+    /// Whether the drawn level (nothing for a blank) is right, or the truth cannot be told: that is
+    /// where a torus thinner or thicker by next to nothing would show it.
     pub fn judge(&self, dx: f64, dy: f64, drawn: Option<usize>) -> Verdict {
+        let level = |light: f64| light.max(0.0) as usize;
         let truth = self.look(dx, dy);
-        let level = truth.map(|luminance| luminance.max(0.0) as usize);
-        match (truth, level, drawn) {
-            _ if level == drawn => Verdict::Right,
-            (Some(luminance), ..) if (luminance - luminance.round()).abs() <= LEVEL_TIE => {
-                Verdict::Tie
-            }
-            _ if self.grazes(dx, dy) => Verdict::Tie,
-            (Some(_), _, None) => Verdict::Hole,
-            (None, ..) => Verdict::Extra,
-            _ => Verdict::Shade,
+        if truth.map(level) == drawn {
+            return Verdict::Right;
         }
-    }
-
-    /// Whether a torus thinner or thicker by next to nothing is hit otherwise, or elsewhere.
-    fn grazes(&self, dx: f64, dy: f64) -> bool {
-        let (q, u) = self.ray(dx, dy);
-        let hits = [1.0 - GRAZE_TIE, 1.0 + GRAZE_TIE].map(|f| self.first_hit(q, u, f * self.r1));
-        match hits {
-            [Some(thin), Some(thick)] => (thin - thick).abs() > 1e-4 * self.r1,
-            [thin, thick] => thin.is_some() != thick.is_some(),
+        let blur = GRAZE_TIE * (self.r1 + self.r2);
+        let undecided = [0.0, -blur, blur].into_iter().any(|blur| {
+            let light = self.look_at_tube(self.r1 + blur, dx, dy);
+            light.map(level) == drawn || light.map(|light| level(light + LEVEL_TIE)) == drawn
+        });
+        match (truth, drawn) {
+            _ if undecided => Verdict::Tie,
+            (Some(_), None) => Verdict::Hole,
+            (None, _) => Verdict::Extra,
+            _ => Verdict::Shade,
         }
     }
 

@@ -13,22 +13,21 @@ pub fn trace_with<const N: usize>(
     first_hits: impl Fn(&Torus, &[Rays; N]) -> [Lanes; N],
 ) {
     let View { r2, k2, width, cx, cy, k1x, k1y, .. } = *view;
-    let (torus, limb) = (Torus::new(r2, a, b), limb(r2, k2));
+    let (torus, edge) = (Torus::new(r2, a, b), edge(r2, k2));
     for (row, cells) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
         let dy = (row as f64 + 0.5 - cy) / k1y;
-        let half = (limb * limb - dy * dy).max(0.0).sqrt() * k1x;
+        let half = (edge * edge - dy * dy).max(0.0).sqrt() * k1x;
         let (first, last) = ((cx - half) as usize, ((cx + half) as usize + 1).min(width));
         for column in (first..last).step_by(N * LANES) {
             let dx = |ray| ((column + ray) as f64 + 0.5 - cx) / k1x;
-            let cast = |n| torus.cast(std::array::from_fn(|lane| dx(n * LANES + lane)), dy, k2);
-            let rays = std::array::from_fn(cast);
+            let block = |n| torus.rays(std::array::from_fn(|lane| dx(n * LANES + lane)), dy, k2);
+            let rays = std::array::from_fn(block);
             let hits = first_hits(&torus, &rays);
             let blocks = cells[column..last].chunks_mut(LANES).zip(&rays).zip(&hits);
             for ((cells, rays), hits) in blocks {
-                let luminance = torus.luminance(rays, hits);
-                for ((cell, &s), luminance) in cells.iter_mut().zip(hits).zip(luminance) {
-                    if s < MISS {
-                        *cell = glyph(RAMP, luminance);
+                for (i, cell) in cells.iter_mut().enumerate() {
+                    if hits[i] < MISS {
+                        *cell = glyph(RAMP, torus.luminance(rays, i, hits[i]) + HAIR);
                     }
                 }
             }
@@ -43,7 +42,7 @@ const BLOCKS: usize = RAYS / LANES;
 /// Sphere tracing in f32: from the bounding sphere on, go as far as the surface is away.
 ///
 /// Rays that have not arrived after `most_steps` miss. They arrive within `1 / most_steps^2` of the
-/// surface: with less more of them miss, with more they stop at limbs that they should pass, and
+/// surface: with less more of them miss, with more they stop at outlines that they should pass, and
 /// either way more cells are wrong.
 pub fn sphere_trace(rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes; BLOCKS] {
     let tolerance = (most_steps as f32).powi(-2);
