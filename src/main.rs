@@ -2,10 +2,6 @@
 //! the same picture, byte for byte. At any other size there is no original to match, and it ray-traces
 //! every cell exactly.
 //!
-//! ```text
-//! Options -> View -> render_frame(a, b) -> framebuffer -> encode -> terminal or pipe
-//! ```
-//!
 //! # How donut.c draws a donut
 //!
 //! A torus is the surface swept by a small circle, the tube, whose centre travels round a large one, the
@@ -37,8 +33,8 @@
 //! f = R1 sin theta           normal  (cos theta cos phi, cos theta sin phi, sin theta)
 //! ```
 //!
-//! The donut is turned by the angle A about the x axis, and then by B about the z axis. This takes the
-//! point to (X, Y, Z), and the normal likewise:
+//! The donut is turned by the angle A about the x axis, and then by B about the z axis. A grows by 0.04 in
+//! each frame, and B by 0.02. This takes the point to (X, Y, Z), and the normal likewise:
 //!
 //! ```text
 //! t = h sin phi cos A - f sin A      X = h cos phi cos B - t sin B
@@ -53,8 +49,6 @@
 //! vector (0, -1, -1), which points at the light, above and behind the viewer. That vector is sqrt 2 long,
 //! so 8 L is 11.3 at most. Truncated, it is an index from 0 to 11 into the ramp `.,-~:;=!*#$@`. Where L is
 //! negative, the surface faces away from the light and gets the darkest glyph.
-//!
-//! After each frame, A grows by 0.04 and B by 0.02.
 //!
 //! # Two methods
 //!
@@ -112,10 +106,10 @@ use {
 struct Options {
     /// Frames a second; 0 is as fast as possible
     ///
-    /// At most 1000. Each frame turns the donut by --spin, so --fps 60 spins
-    /// it twice as fast.
+    /// At most 1000.
+    ///
+    /// Each frame turns the donut by --spin, so --fps 60 spins twice as fast.
     #[arg(long, value_name = "N", default_value = "30", value_parser = within(RATES))]
-    #[arg(verbatim_doc_comment)]
     fps: f64,
 
     /// Stop after N frames; the last one stays on the screen
@@ -140,9 +134,8 @@ struct Options {
     ///
     /// Classic needs --r1, --r2 and --k2 to be 1, 2 and 5.
     ///
-    /// After 31 hours, when donut.c's float angles get too coarse, auto
-    /// switches to exact.
-    #[arg(long, value_enum, default_value_t, hide_default_value = true, verbatim_doc_comment)]
+    /// After 31 hours donut.c's angles get too coarse; auto is then exact.
+    #[arg(long, value_enum, default_value_t, hide_default_value = true)]
     method: Method,
 
     /// One colour: a name, 0 to 255, or '#rrggbb'
@@ -251,16 +244,17 @@ fn two_angles(text: &str) -> Result<[f64; 2], String> {
 
 fn color(text: &str) -> Result<Color, String> {
     let hex = text.strip_prefix('#').unwrap_or(text);
-    if hex.len() == 6 && hex.bytes().all(|digit| digit.is_ascii_hexdigit()) {
-        let [_, r, g, b] = u32::from_str_radix(hex, 16).expect("six hex digits").to_be_bytes();
-        return Ok(Color::Rgb { r, g, b });
-    }
-    if let Ok(index) = text.parse() {
-        return Ok(Color::AnsiValue(index));
-    }
+    let is_hex = hex.len() == 6 && hex.bytes().all(|digit| digit.is_ascii_hexdigit());
     let name = text.to_lowercase().replace("gray", "grey");
-    let color = Color::try_from(name.as_str()).ok().filter(|&color| color != Color::Reset);
-    color.ok_or_else(|| "expected a name from --help, 0 to 255, or '#rrggbb'".into())
+    match (u32::from_str_radix(hex, 16), text.parse(), Color::try_from(name.as_str())) {
+        (Ok(rgb), ..) if is_hex => {
+            let [_, r, g, b] = rgb.to_be_bytes();
+            Ok(Color::Rgb { r, g, b })
+        }
+        (_, Ok(index), _) => Ok(Color::AnsiValue(index)),
+        (.., Ok(color)) if color != Color::Reset => Ok(color),
+        _ => Err("expected a name from --help, 0 to 255, or '#rrggbb'".into()),
+    }
 }
 
 /// How many times as large as R1 the radius R2 may be. Below that, f64 cannot resolve the hole. Above it,
@@ -271,8 +265,7 @@ const RING: RangeInclusive<f64> = 1.000_001..=1000.0;
 const NEAREST: f64 = 1.000_001;
 
 impl Options {
-    /// Why the options do not fit together, if they do not. This quotes all values concerned, because any
-    /// of them may be the wrong one.
+    /// Why the options do not fit together, if they do not, with every value that may be the wrong one.
     fn refusal(&self) -> Option<String> {
         let Options { r1, r2, k2, .. } = self;
         let (ring, distance) = (r2 / r1, k2 / r1);
@@ -297,8 +290,8 @@ impl Options {
     fn view(&self, terminal: Option<(u16, u16)>) -> View {
         let (mut width, mut height) = (self.width.unwrap_or(80), self.height.unwrap_or(22));
         if let Some((columns, rows)) = terminal {
-            width = self.width.unwrap_or(columns).min(columns);
-            height = self.height.unwrap_or(rows).min(rows.saturating_sub(2).max(1));
+            width = self.width.unwrap_or(4096).min(columns);
+            height = self.height.unwrap_or(4096).min(rows.saturating_sub(2).max(1));
         }
         let (r2, k2) = (self.r2 / self.r1, self.k2 / self.r1);
         View::new(width.into(), height.into(), self.aspect, r2, k2)
@@ -345,7 +338,7 @@ fn run(options: &Options) -> io::Result<()> {
     let mut animation = Animation {
         options,
         screen: screen.clone(),
-        renderer: Renderer::new(View::DONUT_C, options.method),
+        renderer: Renderer::new(View::DONUT_C, options.method, RAMP),
         clock: Clock { origin: [options.a, options.b], frames: 0, spin: options.spin },
         frames: 0,
         deadline: Some(Instant::now()),
@@ -362,8 +355,7 @@ impl Animation<'_> {
     /// It waits in its last line only, never for a terminal that is stalled. So it always obeys keys and
     /// signals.
     fn play(&mut self) -> io::Result<()> {
-        let most = if self.screen.is_dumb { 1 } else { u64::MAX };
-        let last = self.options.frames.unwrap_or(most).min(most);
+        let last = self.options.frames.unwrap_or(if self.screen.is_dumb { 1 } else { u64::MAX });
         let mut key_pressed = false;
         while !self.screen.quit.load(SeqCst) && (self.frames < last || !self.out.is_empty()) {
             if !self.screen.may_draw()? {
@@ -397,8 +389,7 @@ impl Animation<'_> {
     fn fit(&mut self) -> io::Result<()> {
         let view = self.options.view(self.screen.size()?);
         if self.screen.resize.swap(false, SeqCst) || view != self.renderer.view {
-            let ramp = self.renderer.ramp;
-            self.renderer = Renderer { ramp, ..Renderer::new(view, self.options.method) };
+            self.renderer = Renderer::new(view, self.options.method, self.renderer.ramp);
             self.out.extend(CLEAR.bytes());
             self.redraw = true;
         }
@@ -425,7 +416,7 @@ impl Animation<'_> {
         if is_due && self.frames > 0 {
             self.clock.tick(self.renderer.method);
         }
-        self.renderer.method = self.options.method.choose(&self.renderer.view, &self.clock);
+        self.renderer.method = self.clock.choose(self.options.method, &self.renderer.view);
         let [a, b] = self.clock.angles();
         self.renderer.render_frame(a, b);
         self.screen.escapes.encode(&self.renderer, &mut self.out);
@@ -477,22 +468,20 @@ impl Clock {
         })
     }
 
+    /// The method for this picture: this is where `auto` is decided.
+    fn choose(&self, method: Method, view: &View) -> Method {
+        match method {
+            Method::Auto if *view == View::DONUT_C && self.floats_are_fine() => Method::Classic,
+            Method::Auto => Method::Exact,
+            chosen => chosen,
+        }
+    }
+
     fn tick(&mut self, method: Method) {
         if method == Method::Classic {
             (self.origin, self.frames) = (self.next_floats(), 0);
         } else {
             self.frames += 1;
-        }
-    }
-}
-
-impl Method {
-    /// The method for this picture: this is where `auto` is decided.
-    fn choose(self, view: &View, clock: &Clock) -> Method {
-        match self {
-            Method::Auto if *view == View::DONUT_C && clock.floats_are_fine() => Method::Classic,
-            Method::Auto => Method::Exact,
-            chosen => chosen,
         }
     }
 }
@@ -542,7 +531,8 @@ impl View {
 /// The edge of the sphere that the donut never leaves, whose radius is R1 + R2, as the viewer sees it: the
 /// tangent of the angle between a ray to its centre and a ray that touches it.
 fn edge(r2: f64, k2: f64) -> f64 {
-    (1.0 + r2) / ((k2 - (1.0 + r2)) * (k2 + (1.0 + r2))).sqrt()
+    let radius = 1.0 + r2;
+    radius / ((k2 - radius) * (k2 + radius)).sqrt()
 }
 
 // ---- Rendering -----------------------------------------------------------------------------------
@@ -568,15 +558,15 @@ struct Renderer {
     /// For `classic`, 1/z of the nearest sample in each cell so far. There are two more rows than in the
     /// framebuffer, because donut.c's own view reaches below the picture.
     zbuffer: Vec<f32>,
-    /// Theta and phi. They are made only if `classic` needs them, because they can be many.
-    circles: Option<[Circle; 2]>,
+    /// The sines and the cosines of theta and of phi. They can be many, so only `classic` makes them.
+    circles: Option<[(Vec<f32>, Vec<f32>); 2]>,
 }
 
 impl Renderer {
-    fn new(view: View, method: Method) -> Renderer {
+    fn new(view: View, method: Method, ramp: &'static [u8; 12]) -> Renderer {
         let View { width, height, .. } = view;
         let (framebuffer, zbuffer) = (vec![b' '; width * height], vec![0.0; width * (height + 2)]);
-        Renderer { view, method, ramp: RAMP, framebuffer, zbuffer, circles: None }
+        Renderer { view, method, ramp, framebuffer, zbuffer, circles: None }
     }
 
     /// Draws the donut, turned by the angles A and B, into the framebuffer.
@@ -668,10 +658,8 @@ fn steps(view: &View) -> [f64; 2] {
     [0.07 * shrink, 0.02 * shrink]
 }
 
-/// The sines and cosines of the angles round a circle, counted up as in donut.c.
-type Circle = (Vec<f32>, Vec<f32>);
-
-fn circle(step: f64) -> Circle {
+/// The sines and the cosines of the angles round a circle, counted up as in donut.c.
+fn circle(step: f64) -> (Vec<f32>, Vec<f32>) {
     let angles = std::iter::successors(Some(0.0), |&angle| Some(advance(angle, step)));
     // donut.c stops at 6.28. At its own steps that is the same; smaller ones would leave a gap.
     angles.take_while(|&angle| f64::from(angle) < TAU).map(sin_cos).unzip()
@@ -703,21 +691,16 @@ fn floor(value: f32) -> u32 {
 
 /// How many rays are solved side by side: while one waits for its division, others go on.
 const LANES: usize = 8;
-/// One number for each of these rays.
 type Lanes = [f64; LANES];
-
 /// The s of a ray that misses.
 const MISS: f64 = f64::INFINITY;
-
-/// The search ends once a step is shorter than this, in units of R1.
-///
-/// Newton doubles the correct digits each step, so what is left is below rounding. Only rays that graze the
-/// donut converge slowly, but 1e-8 away from where they come nearest they are within 1e-16 of the surface.
+/// The search ends once a step is shorter than this, in units of R1. Newton doubles the correct digits each
+/// step, so what is left is below rounding. Rays that graze the donut converge slowly, but 1e-8 away from
+/// where they come nearest, they are within 1e-16 of the surface.
 const LAST_STEP: f64 = 1e-8;
-/// No ray takes more steps. One that did would count as a hit, and would be about to graze the donut: no
-/// step passes the first root. A search for the slowest rays found none that takes more than 50.
+/// No ray takes more steps; the slowest one found takes 45. One that did would count as a hit, because no
+/// step passes the first root.
 const MOST_STEPS: usize = 64;
-
 /// Added to each luminance, far below what can be seen. In symmetric poses 8 L may be a whole number, and
 /// rounding would choose between two glyphs. This way all machines choose the brighter one.
 const HAIR: f64 = 1e-12;
@@ -818,15 +801,14 @@ impl Torus {
     /// All rays step until the last has arrived. One that has arrived moves no further than by rounding,
     /// and one that has missed stays at infinity, where the slope is infinite.
     fn first_hits(&self, rays: &Rays) -> Lanes {
-        let radius = self.r2 + 1.0;
+        let radius = 1.0 + self.r2;
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; LANES]; 5];
         for i in 0..LANES {
             let (d0, f0, fu) = (rays.d0[i], rays.f0[i], rays.fu[i]);
             [p[i], q[i], r[i]] = self.quartic(d0, f0, fu);
             w[i] = (p[i] * (-1.0 / 6.0)).max(0.0).sqrt();
-            // The donut is inside the sphere, and between the planes f = -1 and f = 1: a ray that has not
-            // entered both has hit nothing. If fu is 0, this is at infinity, which starts at w or at the
-            // sphere, or NaN, which `max` ignores.
+            // The donut is inside the sphere, and between the planes f = -1 and f = 1. No hit comes before
+            // the ray has entered both. If fu is 0 the planes are at infinity, or NaN, which `max` ignores.
             let enters_sphere = -(radius * radius - d0).max(0.0).sqrt();
             let enters_planes = -(1.0 + f0 * 1_f64.copysign(fu)) / fu.abs();
             let start = enters_sphere.max(enters_planes);
@@ -876,9 +858,8 @@ const UPDATE: [&str; 2] = ["\x1b[?2026h\x1b[H", "\x1b[?2026l"];
 /// What is written before the first frame, around each frame, and after the last.
 struct Escapes {
     take: &'static str,
-    begin: &'static str,
     color: String,
-    end: &'static str,
+    frame: [&'static str; 2],
     restore: &'static str,
 }
 
@@ -886,7 +867,7 @@ impl Escapes {
     fn new(is_terminal: bool, is_dumb: bool, options: &Options) -> Escapes {
         // 25 is the cursor, 1049 the alternate screen, and 2026 a synchronized update, in which no
         // half-drawn frame is seen.
-        let (take, [begin, end], restore) = if is_dumb {
+        let (take, frame, restore) = if is_dumb {
             ("", ["", "\n"], "")
         } else if !is_terminal {
             // donut.c's own bytes.
@@ -900,19 +881,19 @@ impl Escapes {
         style::force_color_output(true);
         let color = options.color.filter(|_| !is_dumb).map(SetForegroundColor);
         let color = color.map(|color| color.to_string()).unwrap_or_default();
-        Escapes { take, begin, color, end, restore }
+        Escapes { take, color, frame, restore }
     }
 
     /// Appends a frame to `out`.
     fn encode(&self, renderer: &Renderer, out: &mut Vec<u8>) {
-        out.extend(self.begin.bytes().chain(self.color.bytes()));
+        out.extend(self.frame[0].bytes().chain(self.color.bytes()));
         for row in renderer.framebuffer.chunks_exact(renderer.view.width) {
             // The newline stands for column 0, which stays empty.
             out.push(b'\n');
             out.extend(&row[1..]);
         }
         let reset = if self.color.is_empty() { "" } else { "\x1b[0m" };
-        out.extend(self.end.bytes().chain(reset.bytes()));
+        out.extend(self.frame[1].bytes().chain(reset.bytes()));
     }
 }
 
@@ -1015,18 +996,16 @@ impl Screen {
         Ok(is_in_foreground)
     }
 
-    /// In the background the terminal is another job's: to read from it or to change its settings would
-    /// stop the program.
+    /// In the background, to read from the terminal or to change its settings would stop the program.
     fn is_in_foreground(&self) -> io::Result<bool> {
         #[cfg(unix)]
         if self.is_terminal {
-            let group =
-                if self.has_keys { tcgetpgrp(io::stdin()) } else { tcgetpgrp(io::stdout()) };
-            if group == Err(Errno::IO) {
+            let job = if self.has_keys { tcgetpgrp(io::stdin()) } else { tcgetpgrp(io::stdout()) };
+            if job == Err(Errno::IO) {
                 return Err(Errno::IO.into());
             }
             // A terminal that controls no session has no background.
-            return Ok(group.is_err() || group == Ok(getpgrp()));
+            return Ok(job.is_err() || job == Ok(getpgrp()));
         }
         Ok(true)
     }
@@ -1056,13 +1035,11 @@ impl Screen {
             return Ok(());
         }
         // Standard input's terminal may be gone while standard output's is still there.
-        let is_in_foreground = self.is_in_foreground().unwrap_or(true);
-        let mut settings = Ok(());
-        if is_in_foreground && self.has_keys {
-            settings = terminal::disable_raw_mode();
-        }
+        let foreground = self.is_in_foreground().unwrap_or(true);
+        let settings =
+            if foreground && self.has_keys { terminal::disable_raw_mode() } else { Ok(()) };
         #[cfg(unix)]
-        if !is_in_foreground && tcgetattr(io::stdout())?.local_modes.contains(LocalModes::TOSTOP) {
+        if !foreground && tcgetattr(io::stdout())?.local_modes.contains(LocalModes::TOSTOP) {
             // The shell has restored the settings, and does not let others write.
             return Ok(());
         }
@@ -1073,7 +1050,7 @@ impl Screen {
             self.write(&mut out)?;
         }
         #[cfg(unix)]
-        if !out.is_empty() && is_in_foreground {
+        if !out.is_empty() && foreground {
             tcflush(io::stdout(), QueueSelector::OFlush)?;
             self.write(&mut out)?;
             return Err(io::Error::other("the terminal accepts no more output"));
@@ -1087,9 +1064,10 @@ impl Screen {
             match (&self.file).write(out) {
                 Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
                 Ok(bytes) => drop(out.drain(..bytes)),
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => break,
-                Err(error) => return Err(error),
+                Err(error) => match error.kind() {
+                    io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted => break,
+                    _ => return Err(error),
+                },
             }
         }
         Ok(())
@@ -1140,14 +1118,12 @@ impl Screen {
 
     /// Columns and rows of the terminal, if it is one: 80x24 if it does not know.
     fn size(&self) -> io::Result<Option<(u16, u16)>> {
-        if !self.is_terminal {
-            return Ok(None);
-        }
         #[cfg(unix)]
-        let size = tcgetwinsize(io::stdout()).map(|size| (size.ws_col, size.ws_row))?;
+        let size = || tcgetwinsize(io::stdout()).map(|size| (size.ws_col, size.ws_row));
         #[cfg(windows)]
-        let size = terminal::size()?;
-        Ok(Some(if size.0 > 0 && size.1 > 0 { size } else { (80, 24) }))
+        let size = terminal::size;
+        let or_default = |size: (u16, u16)| if size.0 > 0 && size.1 > 0 { size } else { (80, 24) };
+        Ok(if self.is_terminal { Some(or_default(size()?)) } else { None })
     }
 }
 
@@ -1161,8 +1137,8 @@ fn open_stdout() -> io::Result<File> {
     }
     #[cfg(unix)]
     {
-        // The program's own terminal is opened once more, so that writes do not wait for room. That cannot
-        // be asked of descriptor 1 itself, because the shell shares it.
+        // The program's own terminal is opened again, so that no write waits for room. To make descriptor 1
+        // itself nonblocking would make the shell's so, too.
         let flags = OFlags::WRONLY | OFlags::NONBLOCK | OFlags::NOCTTY | OFlags::CLOEXEC;
         let terminal = rustix::fs::open("/dev/tty", flags, Mode::empty());
         match terminal.and_then(|terminal| tcgetpgrp(io::stdout()).map(|_| terminal)) {

@@ -4,7 +4,7 @@ use super::*;
 
 /// Cells that show something for one frame only, going back to what they were, each frame.
 fn flicker(method: Method) -> f64 {
-    let mut renderer = Renderer::new(View::DONUT_C, method);
+    let mut renderer = Renderer::new(View::DONUT_C, method, RAMP);
     let pictures: Vec<_> = (0..600)
         .map(|n| {
             renderer.render_frame(0.04 * n as f64, 0.02 * n as f64);
@@ -25,7 +25,7 @@ fn exact_hardly_flickers_where_classic_shimmers() {
 
 /// Draws as `classic` does, with these steps of theta and phi.
 pub fn with_steps(view: View, theta: f64, phi: f64) -> Renderer {
-    let mut renderer = Renderer::new(view, Method::Classic);
+    let mut renderer = Renderer::new(view, Method::Classic, RAMP);
     renderer.circles = Some([circle(theta), circle(phi)]);
     renderer
 }
@@ -72,7 +72,7 @@ fn holes_and_see_through(mut renderer: Renderer) -> (usize, usize) {
 #[test]
 fn the_steps_shrink_with_the_size_or_the_far_wall_shows_through() {
     let view = enlarged(4);
-    let shrunk = holes_and_see_through(Renderer::new(view, Method::Classic));
+    let shrunk = holes_and_see_through(Renderer::new(view, Method::Classic, RAMP));
     let fixed = holes_and_see_through(with_steps(view, 0.07, 0.02));
     println!("holes and see-through: {shrunk:?}, with fixed steps {fixed:?}");
     assert!(shrunk.0 == 0 && shrunk.1 < 100, "{shrunk:?}");
@@ -82,7 +82,7 @@ fn the_steps_shrink_with_the_size_or_the_far_wall_shows_through() {
 #[test]
 fn the_steps_shrink_with_the_height_of_flat_cells_as_well() {
     let view = View::new(100, 400, 0.25, 2.0, 5.0);
-    let (holes, through) = holes_and_see_through(Renderer::new(view, Method::Classic));
+    let (holes, through) = holes_and_see_through(Renderer::new(view, Method::Classic, RAMP));
     assert!(holes == 0 && through < 100, "{holes} {through}");
 }
 
@@ -130,7 +130,7 @@ fn floor_is_the_cast_of_c() {
 fn samples_at_the_very_edge_of_the_picture_do_no_harm() {
     for (width, height, aspect) in [(2, 2, 2.0), (3, 2, 2.0), (11, 2, 10.0), (40, 5, 10.0)] {
         let mut renderer =
-            Renderer::new(View::new(width, height, aspect, 2.0, 5.0), Method::Classic);
+            Renderer::new(View::new(width, height, aspect, 2.0, 5.0), Method::Classic, RAMP);
         for n in 0..2000 {
             // Edge-on, and lying or nearly so: some samples are seen just where the donut ends.
             renderer.render_frame(std::f64::consts::FRAC_PI_2, 0.001 * f64::from(n));

@@ -41,11 +41,11 @@ fn donut_cs_clock_stands_still_from_frame_22_918_663() {
 fn auto_hands_over_at_frame_3_345_245_and_nothing_jumps() {
     let mut clock = clock(0.0, 0.0);
     for _ in 0..3_345_245 {
-        assert!(Method::Auto.choose(&View::DONUT_C, &clock) == Method::Classic);
+        assert!(clock.choose(Method::Auto, &View::DONUT_C) == Method::Classic);
         clock.tick(Method::Classic);
     }
     for _ in 0..1000 {
-        assert!(Method::Auto.choose(&View::DONUT_C, &clock) == Method::Exact);
+        assert!(clock.choose(Method::Auto, &View::DONUT_C) == Method::Exact);
         let [a, b] = clock.angles();
         clock.tick(Method::Exact);
         let [next_a, next_b] = clock.angles();
@@ -56,7 +56,7 @@ fn auto_hands_over_at_frame_3_345_245_and_nothing_jumps() {
 #[test]
 fn a_donut_that_stands_still_is_classic_wherever_it_stands() {
     let clock = Clock { spin: [0.0, 0.0], ..clock(1.1, 0.3) };
-    assert!(Method::Auto.choose(&View::DONUT_C, &clock) == Method::Classic);
+    assert!(clock.choose(Method::Auto, &View::DONUT_C) == Method::Classic);
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn auto_is_exact_where_floats_cannot_follow_the_spin() {
             Clock { spin: [spin, 0.0], ..clock(a, 0.0) },
             Clock { spin: [0.0, spin], ..clock(0.0, a) },
         ] {
-            assert!(Method::Auto.choose(&View::DONUT_C, &clock) == Method::Exact);
+            assert!(clock.choose(Method::Auto, &View::DONUT_C) == Method::Exact);
         }
     }
 }
@@ -81,7 +81,7 @@ fn auto_is_exact_where_a_float_cannot_hold_the_angle() {
     ] {
         for [a, b] in [[angle, 0.0], [0.0, -angle]] {
             let clock = Clock { spin: [0.0, 0.0], ..clock(a, b) };
-            assert!(Method::Auto.choose(&View::DONUT_C, &clock) == method, "{a} {b}");
+            assert!(clock.choose(Method::Auto, &View::DONUT_C) == method, "{a} {b}");
         }
     }
 }
@@ -97,7 +97,7 @@ fn auto_is_classic_as_long_as_floats_follow_the_spin_to_a_tenth() {
         (1.12, Method::Exact),
     ] {
         let clock = Clock { spin: [apart * spin, 0.0], ..clock(131_072.0, 0.0) };
-        assert!(Method::Auto.choose(&View::DONUT_C, &clock) == method, "{spin}");
+        assert!(clock.choose(Method::Auto, &View::DONUT_C) == method, "{spin}");
     }
 }
 
@@ -111,7 +111,7 @@ fn auto_is_exact_at_every_size_and_scene_but_donut_cs() {
         View::new(80, 22, 2.0, 2.1, 5.0),
     ];
     for view in views {
-        assert!(Method::Auto.choose(&view, &clock(0.0, 0.0)) == Method::Exact);
+        assert!(clock(0.0, 0.0).choose(Method::Auto, &view) == Method::Exact);
     }
-    assert!(Method::Auto.choose(&fitted(80, 22), &clock(0.0, 0.0)) == Method::Classic);
+    assert!(clock(0.0, 0.0).choose(Method::Auto, &fitted(80, 22)) == Method::Classic);
 }

@@ -41,7 +41,7 @@ fn look_at(a: f64, b: f64, dx: f64, dy: f64) -> Option<f64> {
 
 /// Draws the donut at these angles A and B, and compares every cell with the oracle.
 fn compare(view: View, poses: &[(f64, f64)]) -> Tally {
-    let mut renderer = Renderer::new(view, Method::Exact);
+    let mut renderer = Renderer::new(view, Method::Exact, RAMP);
     let mut tally = Tally::default();
     for &(a, b) in poses {
         renderer.render_frame(a, b);

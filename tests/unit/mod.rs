@@ -59,7 +59,7 @@ fn own_poses(count: usize) -> Vec<(f64, f64)> {
 }
 
 fn draw(method: Method, view: View, a: f64, b: f64) -> Vec<u8> {
-    let mut renderer = Renderer::new(view, method);
+    let mut renderer = Renderer::new(view, method, RAMP);
     renderer.render_frame(a, b);
     renderer.framebuffer
 }

@@ -136,7 +136,7 @@ fn closed_form(name: &str, view: View, first_root: impl Fn([f64; 3]) -> f64 + 's
 /// The program's own.
 fn own_ways(times: usize) -> Vec<Way> {
     [("classic x1", Method::Classic), ("exact", Method::Exact)]
-        .map(|(name, method)| program(name, Renderer::new(enlarged(times), method)))
+        .map(|(name, method)| program(name, Renderer::new(enlarged(times), method, RAMP)))
         .into()
 }
 
@@ -375,7 +375,7 @@ fn donut_c_as_written_draws_what_classic_draws() {
     // At these sizes classic takes donut.c's own steps.
     for (width, height) in [(80, 22), (40, 12), (33, 17), (60, 19), (61, 9), (3, 2)] {
         let view = fitted(width, height);
-        let mut renderer = Renderer::new(view, Method::Classic);
+        let mut renderer = Renderer::new(view, Method::Classic, RAMP);
         let (mut zbuffer, mut cells) = (vec![0.0; width * height], vec![b' '; width * height]);
         for &(a, b) in &poses {
             cells.fill(b' ');
