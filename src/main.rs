@@ -915,6 +915,7 @@ struct Screen {
     taken: AtomicBool,
     // What signals have asked for.
     quit: Arc<AtomicBool>,
+    #[cfg_attr(windows, allow(dead_code, reason = "Windows stops no programs"))]
     suspend: Arc<AtomicBool>,
     resume: Arc<AtomicBool>,
     resize: Arc<AtomicBool>,
