@@ -24,8 +24,8 @@
 //! donut.c has R1 = 1, R2 = 2 and K2 = 5. K1 is 30 columns or 15 rows, because a cell is twice as tall as
 //! it is wide.
 //!
-//! Theta goes round the tube in steps of 0.07, and phi goes round the ring in steps of 0.02. Each pair of
-//! angles gives a sample: a point of the surface, and its normal, which is the direction the surface faces
+//! Theta goes round the tube in steps of 0.07, and phi round the ring in steps of 0.02. Each pair of
+//! angles gives a sample: a point of the surface, and its normal, the direction that the surface faces
 //! there. The point is at distance h from the axis, and at height f above the plane of the ring:
 //!
 //! ```text
@@ -33,30 +33,31 @@
 //! f = R1 sin theta           normal  (cos theta cos phi, cos theta sin phi, sin theta)
 //! ```
 //!
-//! The donut is turned by the angle A about the x axis, and then by B about the z axis. A grows by 0.04 in
-//! each frame, and B by 0.02. This takes the point to (X, Y, Z), and the normal likewise:
+//! The donut is turned by the angle A about the x axis, and then by B about the z axis. Each frame adds
+//! 0.04 to A and 0.02 to B. This moves the point to (X, Y, Z), and turns the normal in the same way:
 //!
 //! ```text
 //! t = h sin phi cos A - f sin A      X = h cos phi cos B - t sin B
 //! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
 //! ```
 //!
-//! The point is now `z = Z + K2` away from the viewer. Things twice as far away look half as large, so it
-//! appears at `K1 X / z`, `K1 Y / z` from the centre of the screen. Many samples fall into the same cell,
-//! and the nearest one wins: for each cell, a z-buffer keeps the largest 1/z so far.
+//! The depth of the point, seen from the viewer, is `z = Z + K2`. Things twice as deep look half as
+//! large, so it appears at `K1 X / z`, `K1 Y / z` from the centre of the screen. Many samples fall into
+//! the same cell, and the nearest one wins: for each cell, a z-buffer keeps the largest 1/z so far.
 //!
 //! The cell shows how bright that sample is. Its luminance L is the dot product of its normal and the
-//! vector (0, -1, -1), which points at the light, above and behind the viewer. That vector is sqrt 2 long,
-//! so 8 L is 11.3 at most. Truncated, it is an index from 0 to 11 into the ramp `.,-~:;=!*#$@`. Where L is
-//! negative, the surface faces away from the light and gets the darkest glyph.
+//! vector (0, -1, -1), which points at the light, above and behind the viewer. That vector is sqrt 2
+//! long, so 8 L is at most 11.3. Its whole part is an index into the ramp `.,-~:;=!*#$@`, from 0 to 11.
+//! Where L is negative, the surface faces away from the light and gets the darkest glyph.
 //!
 //! # Two methods
 //!
 //! `classic` is all of the above: it asks of each sample which cell it falls into. `exact` asks of each
 //! cell what is there: it follows the ray through the centre of the cell to the first thing it hits.
 //!
-//! The letters are those of the [article] that explains donut.c. The directions and the arithmetic are
-//! donut.c's own, which differ: x goes right, y *down*, and z away from the viewer. Angles are in radians.
+//! The capital letters are those of the [article] that explains donut.c. The directions and the
+//! arithmetic are those of donut.c itself: x goes right, y *down*, and z away from the viewer. Angles are
+//! in radians.
 //!
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
@@ -85,36 +86,36 @@ use {
     rustix::io::Errno,
     rustix::process::{getpgrp, getsid},
     rustix::termios::{
-        LocalModes, OptionalActions, OutputModes, QueueSelector, SpecialCodeIndex, tcflush,
-        tcgetattr, tcgetpgrp, tcgetwinsize, tcsetattr,
+        LocalModes, OptionalActions, QueueSelector, SpecialCodeIndex, tcflush, tcgetattr,
+        tcgetpgrp, tcgetwinsize, tcsetattr,
     },
     signal_hook::consts::{SIGCONT, SIGQUIT, SIGSTOP, SIGTSTP, SIGWINCH},
 };
 
 // ---- Options -------------------------------------------------------------------------------------
 
-/// A spinning ASCII donut: donut.c at 80x22, and exact at any other size
+/// A spinning ASCII donut: donut.c at 80x22, ray-traced at any other size
 ///
 /// On a terminal the donut fills the window and spins until you press q. In a
 /// pipe or a file it writes what donut.c writes, escape codes included, at 80x22
-/// unless you set a size. Without --frames it never ends.
+/// unless you set a size, and ends only with --frames.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
-// Some people define `alias donut='donut --color cyan'`: what they type after that wins.
+// A later option overrides an earlier one, as one from `alias donut='donut --color cyan'`.
 #[command(args_override_self = true)]
 #[command(mut_args(arrange))]
 struct Options {
-    /// Frames a second; 0 is as fast as possible
+    /// Frames per second; 0 means no limit
     ///
     /// At most 1000.
     ///
-    /// Each frame turns the donut by --spin, so --fps 60 spins twice as fast.
+    /// Each frame turns the donut by --spin: 60 spins twice as fast as 30.
     #[arg(long, value_name = "N", default_value = "30", value_parser = within(RATES))]
     fps: f64,
 
     /// Stop after N frames; the last one stays on the screen
     ///
-    /// On a terminal it is drawn from the top of the screen.
+    /// On a terminal this clears it and draws from the top of the screen.
     #[arg(long, value_name = "N", value_parser = within(COUNTS))]
     frames: Option<u64>,
 
@@ -132,13 +133,13 @@ struct Options {
 
     /// How to draw
     ///
-    /// Classic needs --r1, --r2 and --k2 to be 1, 2 and 5.
+    /// Classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5.
     ///
-    /// After 31 hours donut.c's angles get too coarse; auto is then exact.
+    /// After 31 hours at 30 fps, donut.c's angles get coarse; auto is exact.
     #[arg(long, value_enum, default_value_t, hide_default_value = true)]
     method: Method,
 
-    /// One colour: a name, 0 to 255, or '#rrggbb'
+    /// Colour: a name, 0 to 255, or '#rrggbb'
     ///
     /// The names are black, dark_grey, grey, white, red, green, yellow, blue,
     /// magenta, cyan, dark_red, dark_green, dark_yellow, dark_blue,
@@ -148,15 +149,15 @@ struct Options {
 
     /// Columns [default: all, or 80 in a pipe]
     ///
-    /// From 1 to 4096; a terminal shows no more than it has.
+    /// From 1 to 4096; on a terminal, at most its columns.
     ///
-    /// One column is reserved, as in donut.c: N draws N-1 characters.
+    /// Column 0 stays empty, as in donut.c: N draws N-1 characters.
     #[arg(long, value_name = "COLS", value_parser = within(SIZES))]
     width: Option<u16>,
 
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
-    /// From 1 to 4096; a terminal shows at most 2 fewer than it has.
+    /// From 1 to 4096; on a terminal, at most its rows minus 2.
     #[arg(long, value_name = "ROWS", value_parser = within(SIZES))]
     height: Option<u16>,
 
@@ -170,13 +171,11 @@ struct Options {
 
     /// Radius of the ring, greater than --r1
     ///
-    /// From the donut's centre to the tube's; at most 1000 times --r1.
+    /// To the middle of the tube; at most 1000 times --r1.
     #[arg(long, value_name = "R", default_value = "2", value_parser = within(LENGTHS))]
     r2: f64,
 
-    /// Viewer's distance, greater than --r1 plus --r2
-    ///
-    /// From the donut's centre.
+    /// Distance from viewer to centre, over --r1 plus --r2
     #[arg(long, value_name = "D", default_value = "5", value_parser = within(LENGTHS))]
     k2: f64,
 }
@@ -192,7 +191,6 @@ Examples:
   donut --fps 60 --spin 0.02,0.01   # smoother, at the same speed
   donut -A 1 -B 1 --color cyan";
 
-/// How to draw the donut.
 #[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
 enum Method {
     /// The default: classic for donut.c's own picture, else exact
@@ -204,7 +202,7 @@ enum Method {
     Exact,
 }
 
-/// Puts an option under its heading in the help.
+/// Sets the heading of an option in the help, and what all options share.
 fn arrange(option: Arg) -> Arg {
     let heading = match option.get_id().as_str() {
         "fps" | "frames" | "spin" | "a" | "b" => "Motion",
@@ -212,7 +210,7 @@ fn arrange(option: Arg) -> Arg {
         "width" | "height" | "aspect" => "Size",
         _ => "Geometry",
     };
-    // Angles may be negative, and no value is a file name that completions could offer.
+    // Angles may be negative, and completions must not offer file names as values.
     option.help_heading(heading).allow_hyphen_values(true).value_hint(ValueHint::Other)
 }
 
@@ -257,15 +255,14 @@ fn color(text: &str) -> Result<Color, String> {
     }
 }
 
-/// How many times as large as R1 the radius R2 may be. Below that, f64 cannot resolve the hole. Above it,
-/// the tube is thinner than four columns even on the widest screen.
+/// The range of R2 / R1. Below it, f64 cannot resolve the hole. Above it, the tube is only a few columns
+/// thick even on the widest screen.
 const RING: RangeInclusive<f64> = 1.000_001..=1000.0;
-/// How many times as large as R1 + R2 the distance K2 must be, or more. From nearer, f64 cannot tell which
-/// rays graze the donut.
+/// The least K2 / (R1 + R2). From nearer, f64 cannot tell which rays graze the donut.
 const NEAREST: f64 = 1.000_001;
 
 impl Options {
-    /// Why the options do not fit together, if they do not, with every value that may be the wrong one.
+    /// Why the options contradict each other, if they do, naming each value that may be wrong.
     fn refusal(&self) -> Option<String> {
         let Options { r1, r2, k2, .. } = self;
         let (ring, distance) = (r2 / r1, k2 / r1);
@@ -279,17 +276,18 @@ impl Options {
             let sum = format!("--r1 plus --r2 ({r1} + {r2}), at least {NEAREST} times as large");
             Some(format!("--k2 is {k2}: it must be larger than {sum}"))
         } else if self.method == Method::Classic && (ring, distance) != (2.0, 5.0) {
-            let needs = "--method classic needs --r1, --r2 and --k2 to be 1, 2 and 5";
+            let needs = "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5";
             Some(format!("{needs}, not {r1}, {r2} and {k2}"))
         } else {
             None
         }
     }
 
-    /// The view for the size that the options ask for, clipped to the terminal's, if it is one.
+    /// The view for the size that the options ask for, clipped to the terminal if there is one.
     fn view(&self, terminal: Option<(u16, u16)>) -> View {
         let (mut width, mut height) = (self.width.unwrap_or(80), self.height.unwrap_or(22));
         if let Some((columns, rows)) = terminal {
+            // One row stays free above the picture, and one below it.
             width = self.width.unwrap_or(4096).min(columns);
             height = self.height.unwrap_or(4096).min(rows.saturating_sub(2).max(1));
         }
@@ -324,11 +322,11 @@ struct Animation<'a> {
     clock: Clock,
     /// How many frames have been drawn.
     frames: u64,
-    /// When the next one is due. There is no such time while the donut is paused.
+    /// When the next frame is due; `None` while the donut is paused.
     deadline: Option<Instant>,
     /// Whether to draw the last frame again.
     redraw: bool,
-    /// What there was no room to write yet.
+    /// The bytes that are not written yet.
     out: Vec<u8>,
 }
 
@@ -339,58 +337,56 @@ fn run(options: &Options) -> io::Result<()> {
         options,
         screen: screen.clone(),
         renderer: Renderer::new(View::DONUT_C, options.method, RAMP),
-        clock: Clock { origin: [options.a, options.b], frames: 0, spin: options.spin },
+        clock: Clock { origin: [options.a, options.b], steps: 0, spin: options.spin },
         frames: 0,
         deadline: Some(Instant::now()),
         redraw: false,
         out: Vec::new(),
     };
-    let played = animation.play();
-    played.and(screen.restore())
+    let (played, restored) = (animation.play(), screen.restore());
+    played.and(restored)
 }
 
 impl Animation<'_> {
     /// donut.c's `for (;;)`.
     ///
-    /// It waits in its last line only, never for a terminal that is stalled. So it always obeys keys and
-    /// signals.
+    /// It never waits for a stalled terminal to accept output, so it always obeys keys and signals.
     fn play(&mut self) -> io::Result<()> {
+        // On a dumb terminal further frames would only scroll by.
         let last = self.options.frames.unwrap_or(if self.screen.is_dumb { 1 } else { u64::MAX });
         let mut key_pressed = false;
         while !self.screen.quit.load(SeqCst) && (self.frames < last || !self.out.is_empty()) {
             if !self.screen.may_draw()? {
                 self.out.clear();
-                key_pressed = self.screen.wait(LOOK, false)?;
+                key_pressed = self.screen.wait(None, false)?;
                 continue;
             }
-            let mut is_behind = !self.out.is_empty();
+            // `fit` and `take` add to `out` what belongs before the next frame.
+            let mut mid_frame = !self.out.is_empty();
             self.fit()?;
             if self.screen.take()? {
                 self.out = self.screen.escapes.take.into();
-                (self.redraw, is_behind) = (true, false);
+                (self.redraw, mid_frame) = (true, false);
             }
             if key_pressed {
                 self.obey_keys()?;
             }
             let is_due = self.deadline.is_some_and(|deadline| deadline <= Instant::now());
-            if (is_due || self.redraw) && !is_behind {
+            if (is_due || self.redraw) && !mid_frame {
                 self.draw(is_due);
             }
             self.screen.write(&mut self.out)?;
-            let unwritten = !self.out.is_empty();
-            let deadline = self.deadline.filter(|_| !unwritten);
-            let time = deadline.map_or(LOOK, |time| time.saturating_duration_since(Instant::now()));
-            key_pressed = self.screen.wait(time.min(LOOK), unwritten)?;
+            let deadline = self.deadline.filter(|_| self.out.is_empty());
+            key_pressed = self.screen.wait(deadline, !self.out.is_empty())?;
         }
         Ok(())
     }
 
-    /// Makes the picture fit the terminal.
     fn fit(&mut self) -> io::Result<()> {
         let view = self.options.view(self.screen.size()?);
         if self.screen.resize.swap(false, SeqCst) || view != self.renderer.view {
             self.renderer = Renderer::new(view, self.options.method, self.renderer.ramp);
-            self.out.extend(CLEAR.bytes());
+            self.out.extend(self.screen.escapes.clear.bytes());
             self.redraw = true;
         }
         Ok(())
@@ -400,7 +396,8 @@ impl Animation<'_> {
         for key in self.screen.keys()? {
             match key {
                 KeyCode::Char('q') | KeyCode::Esc => self.screen.quit.store(true, SeqCst),
-                KeyCode::Char('p') => self.deadline = self.deadline.xor(Some(Instant::now())),
+                KeyCode::Char('p') if self.deadline.is_some() => self.deadline = None,
+                KeyCode::Char('p') => self.deadline = Some(Instant::now()),
                 KeyCode::Char(' ') => {
                     let is_flat = self.renderer.ramp == FLAT;
                     (self.renderer.ramp, self.redraw) = (if is_flat { RAMP } else { FLAT }, true);
@@ -423,10 +420,10 @@ impl Animation<'_> {
         self.redraw = false;
         if is_due {
             self.frames += 1;
-            // 31 years are enough; a longer time may not fit into a Duration.
+            // 1e9 s, or 31 years, is enough; more may not fit into a Duration.
             let seconds =
                 if self.options.fps > 0.0 { (1.0 / self.options.fps).min(1e9) } else { 0.0 };
-            // Each deadline counts from the one before, so they do not drift. Late frames are dropped.
+            // Each deadline counts from the last, so they do not drift. If it has passed, it is now.
             let next = self.deadline.map(|deadline| deadline + Duration::from_secs_f64(seconds));
             self.deadline = next.max(Some(Instant::now()));
         }
@@ -435,17 +432,17 @@ impl Animation<'_> {
 
 /// The angles A and B, frame after frame.
 ///
-/// They are `origin + frames * spin`. For `exact` the frames are counted. donut.c adds the spin to a
+/// They are `origin + steps * spin`. For `exact` the steps are counted. donut.c adds the spin to a
 /// `float` in each frame, so for `classic` the sum becomes the new origin and the count stays 0.
 struct Clock {
     origin: [f64; 2],
-    frames: u64,
+    steps: u64,
     spin: [f64; 2],
 }
 
 impl Clock {
     fn angles(&self) -> [f64; 2] {
-        [0, 1].map(|i| self.origin[i] + self.frames as f64 * self.spin[i])
+        [0, 1].map(|i| self.origin[i] + self.steps as f64 * self.spin[i])
     }
 
     /// donut.c's next angles.
@@ -454,8 +451,8 @@ impl Clock {
         [0, 1].map(|i| advance(angles[i] as f32, self.spin[i]).into())
     }
 
-    /// Whether donut.c's angles are right to a thousandth of a radian, and its next step to a tenth of the
-    /// spin.
+    /// Whether rounding to `float` keeps the angles to a thousandth of a radian, and donut.c's next step
+    /// to a tenth of the spin.
     ///
     /// From frame 3,345,245 on, where A passes 2^17, a step of 0.04 is rounded to 0.047. From frame
     /// 22,918,663 on, where A is 2^20, it is rounded to 0 and A stands still.
@@ -479,9 +476,9 @@ impl Clock {
 
     fn tick(&mut self, method: Method) {
         if method == Method::Classic {
-            (self.origin, self.frames) = (self.next_floats(), 0);
+            (self.origin, self.steps) = (self.next_floats(), 0);
         } else {
-            self.frames += 1;
+            self.steps += 1;
         }
     }
 }
@@ -515,7 +512,7 @@ impl View {
     const DONUT_C: View =
         View { r2: 2.0, k2: 5.0, width: 80, height: 22, cx: 40.0, cy: 12.0, k1x: 30.0, k1y: 15.0 };
 
-    /// donut.c's own view for its size and proportions. For others, the largest that cuts off no pose.
+    /// donut.c's own view for its size and proportions. For others, the largest that fits every pose.
     /// `aspect` is the height of a cell over its width.
     fn new(width: usize, height: usize, aspect: f64, r2: f64, k2: f64) -> View {
         if (width, height, aspect, r2, k2) == (80, 22, 2.0, 2.0, 5.0) {
@@ -528,8 +525,8 @@ impl View {
     }
 }
 
-/// The edge of the sphere that the donut never leaves, whose radius is R1 + R2, as the viewer sees it: the
-/// tangent of the angle between a ray to its centre and a ray that touches it.
+/// The apparent radius of the sphere of radius R1 + R2, which the donut never leaves: the tangent of the
+/// angle between the rays to its centre and to its edge.
 fn edge(r2: f64, k2: f64) -> f64 {
     let radius = 1.0 + r2;
     radius / ((k2 - radius) * (k2 + radius)).sqrt()
@@ -544,7 +541,7 @@ const FLAT: &[u8; 12] = &[b'.'; 12];
 
 /// The glyph of a luminance L, which is from -sqrt 2 to sqrt 2.
 fn glyph(ramp: &[u8; 12], luminance: f64) -> u8 {
-    // `as u8` saturates, so a negative L becomes 0. `min` guards against rounding.
+    // `as u8` saturates, so a negative L becomes 0. `min` is only for safety.
     ramp[usize::from((8.0 * luminance) as u8).min(11)]
 }
 
@@ -580,40 +577,40 @@ impl Renderer {
 
     /// `classic`: donut.c's double loop. The nearest sample in each cell wins.
     ///
-    /// donut.c's c, d, e, f, g, h, D, l, m, n, t and o are `sin_phi`, `cos_theta`, `sin_a`, `sin_theta`,
-    /// `cos_a`, `h`, `ooz`, `cos_phi`, `cos_b`, `sin_b`, `t` and `cell`. Everything is in f32 and in
-    /// donut.c's order of operations: another order rounds to other glyphs.
+    /// donut.c calls `sin_phi` c, `cos_theta` d, `sin_a` e, `sin_theta` f, `cos_a` g, `ooz` (1/z) D,
+    /// `cos_phi` l, `cos_b` m, `sin_b` n and `cell` o. Everything is in f32 and in donut.c's order of
+    /// operations: another order rounds to other glyphs.
     fn splat(&mut self, a: f32, b: f32) {
         let View { width, r2, k2, cx, cy, k1x, k1y, .. } = self.view;
         let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
         let ((sin_a, cos_a), (sin_b, cos_b)) = (sin_cos(a), sin_cos(b));
-        let [(theta_sin, theta_cos), (phi_sin, phi_cos)] =
+        let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] =
             self.circles.get_or_insert_with(|| steps(&self.view).map(circle));
-        // Nothing is nearer than infinity: row 0, column 0 and what is below the picture stay empty.
+        // No 1/z exceeds infinity, so row 0, column 0 and the rows below the picture stay empty.
         self.zbuffer.fill(f32::INFINITY);
         for row in self.zbuffer[..self.framebuffer.len()].chunks_exact_mut(width).skip(1) {
             row[1..].fill(0.0);
         }
-        let n = phi_sin.len();
-        let (phi_sin, phi_cos) = (&phi_sin[..n], &phi_cos[..n]);
-        let [mut ooz, mut x, mut y] = [(); 3].map(|()| vec![0.0; n]);
-        let mut cell = vec![0; n];
-        for (&sin_theta, &cos_theta) in theta_sin.iter().zip(theta_cos.iter()) {
+        let phis = sin_phis.len();
+        let (sin_phis, cos_phis) = (&sin_phis[..phis], &cos_phis[..phis]);
+        let (mut ooz, mut x, mut y) = (vec![0.0; phis], vec![0.0; phis], vec![0.0; phis]);
+        let mut cell = vec![0; phis];
+        for (&sin_theta, &cos_theta) in sin_thetas.iter().zip(cos_thetas.iter()) {
             let h = cos_theta + r2;
-            let (ooz, x, y, cell) = (&mut ooz[..n], &mut x[..n], &mut y[..n], &mut cell[..n]);
-            // The first two loops have no branches, so the compiler vectorises them.
-            for i in 0..n {
-                let (sin_phi, cos_phi) = (phi_sin[i], phi_cos[i]);
+            // No branches, and no bounds checks because all lengths are `phis`: the compiler vectorises
+            // the first two loops.
+            for i in 0..phis {
+                let (sin_phi, cos_phi) = (sin_phis[i], cos_phis[i]);
                 ooz[i] = 1.0 / (sin_phi * h * sin_a + sin_theta * cos_a + k2);
                 let t = sin_phi * h * cos_a - sin_theta * sin_a;
                 x[i] = cx + k1x * ooz[i] * (cos_phi * h * cos_b - t * sin_b);
                 y[i] = cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b);
             }
-            for i in 0..n {
+            for i in 0..phis {
                 cell[i] = floor(x[i]) + width as u32 * floor(y[i]);
             }
-            for i in 0..n {
-                let (cell, sin_phi, cos_phi) = (cell[i] as usize, phi_sin[i], phi_cos[i]);
+            for i in 0..phis {
+                let (cell, sin_phi, cos_phi) = (cell[i] as usize, sin_phis[i], cos_phis[i]);
                 if self.zbuffer[cell] < ooz[i] {
                     self.zbuffer[cell] = ooz[i];
                     let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
@@ -651,17 +648,17 @@ impl Renderer {
 
 // ---- classic: donut.c's arithmetic ---------------------------------------------------------------
 
-/// donut.c's steps of theta and phi, or proportionally smaller ones for a larger picture: the point nearest
-/// to the viewer then moves by about a cell a step, as in donut.c. Larger steps would leave holes.
+/// donut.c's steps of theta and phi, or proportionally smaller ones for a larger picture. The nearest
+/// point then moves by about a cell a step, as in donut.c. Larger steps would leave gaps.
 fn steps(view: &View) -> [f64; 2] {
     let shrink = f64::min(1.0, View::DONUT_C.k1x / view.k1x.max(view.k1y));
     [0.07 * shrink, 0.02 * shrink]
 }
 
-/// The sines and the cosines of the angles round a circle, counted up as in donut.c.
+/// The sines and the cosines of the angles round a circle, summed as in donut.c.
 fn circle(step: f64) -> (Vec<f32>, Vec<f32>) {
     let angles = std::iter::successors(Some(0.0), |&angle| Some(advance(angle, step)));
-    // donut.c stops at 6.28. At its own steps that is the same; smaller ones would leave a gap.
+    // donut.c stops at 6.28. That is the same at its own steps, but leaves a gap at smaller ones.
     angles.take_while(|&angle| f64::from(angle) < TAU).map(sin_cos).unzip()
 }
 
@@ -670,7 +667,7 @@ fn advance(angle: f32, step: f64) -> f32 {
     (f64::from(angle) + step) as f32
 }
 
-/// The sine and cosine of an angle, which C computes in `double` and rounds to `float`, too.
+/// The sine and the cosine of an angle: C computes them in `double`, and rounds them to `float`.
 fn sin_cos(angle: f32) -> (f32, f32) {
     let (sin, cos) = f64::from(angle).sin_cos();
     (sin as f32, cos as f32)
@@ -678,8 +675,8 @@ fn sin_cos(angle: f32) -> (f32, f32) {
 
 /// The whole part of a value from 0 to 2^23.
 ///
-/// This is `value as u32` in plain arithmetic, which can be vectorised on every machine. Adding 2^23 rounds
-/// to a whole number, which is then in the low bits of the sum.
+/// This is `value as u32` in plain arithmetic, which vectorises on every machine: adding 2^23 rounds to
+/// a whole number, which is then in the low bits of the sum.
 fn floor(value: f32) -> u32 {
     const WHOLE: f32 = 8_388_608.0;
     let rounded = value + WHOLE;
@@ -692,14 +689,13 @@ fn floor(value: f32) -> u32 {
 /// How many rays are solved side by side: while one waits for its division, others go on.
 const LANES: usize = 8;
 type Lanes = [f64; LANES];
-/// The s of a ray that misses.
+/// In place of the s of a hit, for a ray that misses.
 const MISS: f64 = f64::INFINITY;
-/// The search ends once a step is shorter than this, in units of R1. Newton doubles the correct digits each
-/// step, so what is left is below rounding. Rays that graze the donut converge slowly, but 1e-8 away from
-/// where they come nearest, they are within 1e-16 of the surface.
+/// The search ends once a step is shorter than this, in units of R1. Each Newton step doubles the
+/// correct digits, so what is left is below rounding. A grazing ray converges slowly, but 1e-8 along it
+/// from where it touches, it is within 1e-16 of the surface.
 const LAST_STEP: f64 = 1e-8;
-/// No ray takes more steps; the slowest one found takes 45. One that did would count as a hit, because no
-/// step passes the first root.
+/// The slowest ray found takes 36 steps. One that took more than this would count as a hit.
 const MOST_STEPS: usize = 64;
 /// Added to each luminance, far below what can be seen. In symmetric poses 8 L may be a whole number, and
 /// rounding would choose between two glyphs. This way all machines choose the brighter one.
@@ -722,14 +718,14 @@ const HAIR: f64 = 1e-12;
 /// (h - R2)^2 + f^2 = 1
 /// |P|^2 + R2^2 - 1 = 2 R2 h                        because |P|^2 = h^2 + f^2
 /// (|P|^2 + R2^2 - 1)^2 = 4 R2^2 (|P|^2 - f^2)      squared
-/// G(s) = s^4 + p s^2 + q s + r = 0                 along the ray
+/// G(s) = s^4 + p s^2 + q s + r = 0                 left minus right, along the ray
 /// ```
 ///
-/// G is positive outside the donut. Because s counts from P0, there is no cubic term, and the coefficients
-/// stay small however far away the viewer is.
+/// G is positive outside the donut. Because s counts from P0, there is no cubic term, and the
+/// coefficients stay small however far away the viewer is.
 ///
-/// A cell is right if 8 L is more than 1e-11 below a whole number, and if the ray would see the same of a
-/// tube thinner or thicker by 1e-13 (R1 + R2). Elsewhere f64 cannot tell.
+/// A cell is right unless 8 L is within 1e-11 below a whole number, or a tube thinner or thicker by
+/// 1e-13 (R1 + R2) would look different there. f64 cannot tell those.
 struct Torus {
     r2: f64,
     /// The axis of revolution, of length 1, after the turns by A and B. No third angle matters: a donut
@@ -737,7 +733,7 @@ struct Torus {
     axis: [f64; 3],
 }
 
-/// The numbers of each ray.
+/// d0 to lu, for each ray.
 #[derive(Default)]
 struct Rays {
     d0: Lanes,
@@ -758,14 +754,14 @@ impl Torus {
         let [x, y, z] = self.axis;
         let mut rays = Rays::default();
         for (i, dx) in dx.into_iter().enumerate() {
-            // U is (dx, dy, 1) times cos, and P0 is (dx, dy, -slant) times near.
-            let slant = dx * dx + dy * dy;
-            let cos = 1.0 / (1.0 + slant).sqrt();
-            let near = k2 * cos * cos;
-            rays.d0[i] = k2 * near * slant;
-            rays.f0[i] = near * (dx * x + dy * y - slant * z);
+            // U is (dx, dy, 1) times cos, and P0 is (dx, dy, -tan2) times depth.
+            let tan2 = dx * dx + dy * dy;
+            let cos = 1.0 / (1.0 + tan2).sqrt();
+            let depth = k2 * cos * cos;
+            rays.d0[i] = k2 * depth * tan2;
+            rays.f0[i] = depth * (dx * x + dy * y - tan2 * z);
             rays.fu[i] = cos * (dx * x + dy * y + z);
-            rays.l0[i] = near * (slant - dy);
+            rays.l0[i] = depth * (tan2 - dy);
             rays.lu[i] = -cos * (dy + 1.0);
         }
         rays
@@ -790,13 +786,13 @@ impl Torus {
     ///         '-' -w       w  '-'
     /// ```
     ///
-    /// The search begins outside the donut, to the left of the first root. Where G is convex and falls, no
-    /// step passes the next root.
+    /// The search begins outside the donut, left of the first root. Where G is convex and falls, no step
+    /// passes the next root.
     ///
-    /// 1. To the left of -w the search runs into a. If G rises there, or a step passes -w, then there is no
-    ///    a, and it starts again at w.
-    /// 2. If G is positive at w, the search runs into c from the left. If G rises, the ray misses.
-    /// 3. If G is negative at w, the search runs into c from the right, where G is concave and falls.
+    /// 1. To the left of -w the search converges to a, if there is one. If G rises, or a step passes -w,
+    ///    there is none, and it starts again at w.
+    /// 2. If G is positive at w, it converges to c from the left. If G rises there, the ray misses.
+    /// 3. If G is negative at w, it converges to c from the right, where G is concave and falls.
     ///
     /// All rays step until the last has arrived. One that has arrived moves no further than by rounding,
     /// and one that has missed stays at infinity, where the slope is infinite.
@@ -807,12 +803,12 @@ impl Torus {
             let (d0, f0, fu) = (rays.d0[i], rays.f0[i], rays.fu[i]);
             [p[i], q[i], r[i]] = self.quartic(d0, f0, fu);
             w[i] = (p[i] * (-1.0 / 6.0)).max(0.0).sqrt();
-            // The donut is inside the sphere, and between the planes f = -1 and f = 1. No hit comes before
-            // the ray has entered both. If fu is 0 the planes are at infinity, or NaN, which `max` ignores.
+            // The donut is inside the sphere and between the planes f = -1 and f = 1: no hit comes before
+            // the ray enters both. If fu is 0, this is at infinity, or NaN, which `max` ignores.
             let enters_sphere = -(radius * radius - d0).max(0.0).sqrt();
             let enters_planes = -(1.0 + f0 * 1_f64.copysign(fu)) / fu.abs();
             let start = enters_sphere.max(enters_planes);
-            // From beyond -w it may begin at w as well, because G is not negative before the donut.
+            // A start to the right of -w may move to w: G >= 0 before the donut, so no root is skipped.
             s[i] = if start > -w[i] { w[i] } else { start };
         }
         for _ in 0..MOST_STEPS {
@@ -820,8 +816,9 @@ impl Torus {
             // `|` and `&` make no branches, so the compiler vectorises this loop.
             for i in 0..LANES {
                 let ss = s[i] * s[i];
-                let slope = 2.0 * (ss + p[i] + ss) * s[i] + q[i];
-                let step = (((ss + p[i]) * s[i] + q[i]) * s[i] + r[i]) / slope;
+                let ss_p = ss + p[i];
+                let slope = 2.0 * (ss_p + ss) * s[i] + q[i];
+                let step = ((ss_p * s[i] + q[i]) * s[i] + r[i]) / slope;
                 let next = s[i] - step;
                 let left = s[i] < -w[i];
                 let no_root = (slope >= 0.0) | (left & (next > -w[i]));
@@ -836,7 +833,7 @@ impl Torus {
         s
     }
 
-    /// The luminance where ray i hits: the dot product of the surface's normal and the vector to the light.
+    /// The luminance where ray i hits: the dot product of the normal and the vector to the light.
     ///
     /// With the axis n, the normal at P is `(P - f n) (1 - R2 / h) + f n`. On the surface h is
     /// `(|P|^2 + R2^2 - 1) / (2 R2)`, which takes no square root.
@@ -853,25 +850,26 @@ impl Torus {
 // ---- Terminal ------------------------------------------------------------------------------------
 
 const CLEAR: &str = "\x1b[2J";
-const UPDATE: [&str; 2] = ["\x1b[?2026h\x1b[H", "\x1b[?2026l"];
+const UPDATE: [&str; 3] = ["\x1b[?2026h\x1b[H", "\r\n", "\x1b[?2026l"];
 
-/// What is written before the first frame, around each frame, and after the last.
+/// What is written before the first frame, on a resize, around each frame and row, and after the last.
 struct Escapes {
     take: &'static str,
+    clear: &'static str,
     color: String,
-    frame: [&'static str; 2],
+    frame: [&'static str; 3],
     restore: &'static str,
 }
 
 impl Escapes {
     fn new(is_terminal: bool, is_dumb: bool, options: &Options) -> Escapes {
-        // 25 is the cursor, 1049 the alternate screen, and 2026 a synchronized update, in which no
-        // half-drawn frame is seen.
+        // Mode 25 is the cursor, 1049 the alternate screen, and 2026 a synchronised update, which hides
+        // half-drawn frames. In raw mode a newline needs its \r.
         let (take, frame, restore) = if is_dumb {
-            ("", ["", "\n"], "")
+            ("", ["", "\n", "\n"], "")
         } else if !is_terminal {
             // donut.c's own bytes.
-            (CLEAR, ["\x1b[H", "\n"], "")
+            (CLEAR, ["\x1b[H", "\n", "\n"], "")
         } else if options.frames.is_some() {
             ("\x1b[?25l\x1b[2J", UPDATE, "\x1b[?2026l\x1b[0m\x1b[?25h\n")
         } else {
@@ -881,36 +879,33 @@ impl Escapes {
         style::force_color_output(true);
         let color = options.color.filter(|_| !is_dumb).map(SetForegroundColor);
         let color = color.map(|color| color.to_string()).unwrap_or_default();
-        Escapes { take, color, frame, restore }
+        Escapes { take, clear: if is_dumb { "" } else { CLEAR }, color, frame, restore }
     }
 
-    /// Appends a frame to `out`.
     fn encode(&self, renderer: &Renderer, out: &mut Vec<u8>) {
-        out.extend(self.frame[0].bytes().chain(self.color.bytes()));
+        let [begin, newline, end] = self.frame;
+        out.extend([begin, &self.color].concat().bytes());
         for row in renderer.framebuffer.chunks_exact(renderer.view.width) {
             // The newline stands for column 0, which stays empty.
-            out.push(b'\n');
-            out.extend(&row[1..]);
+            out.extend_from_slice(newline.as_bytes());
+            out.extend_from_slice(&row[1..]);
         }
         let reset = if self.color.is_empty() { "" } else { "\x1b[0m" };
-        out.extend(self.frame[1].bytes().chain(reset.bytes()));
+        out.extend([end, reset].concat().bytes());
     }
 }
 
-/// The longest wait before the loop checks the terminal's size and foreground again.
-const LOOK: Duration = Duration::from_millis(100);
-
 /// Standard output and, if that is a terminal, its state.
 ///
-/// The donut takes the terminal while it runs in the foreground. It restores it before another job gets it,
-/// at the end, and when the program panics.
+/// The donut takes the terminal while it is in the foreground, and restores it on Ctrl-Z, on losing the
+/// foreground, at the end, and on a panic.
 struct Screen {
     is_terminal: bool,
-    /// Whether the terminal understands no escape codes.
+    /// Whether TERM is dumb: no escape codes.
     is_dumb: bool,
     escapes: Escapes,
     file: File,
-    /// Whether standard input is a terminal too, and has the keys.
+    /// Whether keys can be read from standard input.
     has_keys: bool,
     taken: AtomicBool,
     // What signals have asked for.
@@ -957,7 +952,7 @@ impl Screen {
         let screen = self.clone();
         let end = move || {
             screen.quit.store(true, SeqCst);
-            // The loop now ends the program. If it hangs in a write that waits, this does.
+            // The loop now ends the program, unless a write blocks it. Then this does.
             thread::sleep(Duration::from_secs(2));
             if screen.is_in_foreground().unwrap_or(false) {
                 let _ = terminal::disable_raw_mode();
@@ -978,13 +973,13 @@ impl Screen {
         Ok(())
     }
 
-    /// Whether the donut may use the terminal. If not, or if others may have used it since, this restores
-    /// it. After Ctrl-Z it stops here until a shell continues the program.
+    /// Whether the donut may use the terminal. If not, or after a stop, this restores the terminal. After
+    /// Ctrl-Z, the program stops here until a shell continues it.
     fn may_draw(&self) -> io::Result<bool> {
         #[cfg(unix)]
         // In the first job of a session there is no shell to continue it.
         if self.suspend.swap(false, SeqCst) && getsid(None) != Ok(getpgrp()) {
-            // An error now is an error again when the program is continued.
+            // If this fails now, it will fail again after the stop.
             let _ = self.restore();
             signal_hook::low_level::raise(SIGSTOP)?;
             // A second Ctrl-Z, pressed just before the stop, must not stop it again.
@@ -997,13 +992,13 @@ impl Screen {
         Ok(is_in_foreground)
     }
 
-    /// In the background, to read from the terminal or to change its settings would stop the program.
+    /// In the background, reading from the terminal or changing its settings stops the program.
     fn is_in_foreground(&self) -> io::Result<bool> {
         #[cfg(unix)]
         if self.is_terminal {
             let job = if self.has_keys { tcgetpgrp(io::stdin()) } else { tcgetpgrp(io::stdout()) };
             if job == Err(Errno::IO) {
-                return Err(Errno::IO.into());
+                return Err(Errno::IO.into()); // The terminal is gone.
             }
             // A terminal that controls no session has no background.
             return Ok(job.is_err() || job == Ok(getpgrp()));
@@ -1016,14 +1011,12 @@ impl Screen {
         let is_new = !self.taken.swap(true, SeqCst);
         #[cfg(unix)]
         if is_new && self.has_keys {
-            // crossterm may believe that raw mode is on where a shell has ended it.
+            // crossterm may think raw mode is on when a shell has turned it off.
             terminal::disable_raw_mode()?;
             terminal::enable_raw_mode()?;
-            // Ctrl-C and Ctrl-Z stay signals, and a newline still starts a line. A read never waits, not
-            // even for the rest of a key's code.
+            // Ctrl-C and Ctrl-Z stay signals. A read never waits, not even for the rest of a key's code.
             let mut settings = tcgetattr(io::stdin())?;
             settings.local_modes.insert(LocalModes::ISIG);
-            settings.output_modes.insert(OutputModes::OPOST);
             settings.special_codes[SpecialCodeIndex::VMIN] = 0;
             tcsetattr(io::stdin(), OptionalActions::Now, &settings)?;
         }
@@ -1037,17 +1030,17 @@ impl Screen {
         }
         // Standard input's terminal may be gone while standard output's is still there.
         let foreground = self.is_in_foreground().unwrap_or(true);
-        let settings =
+        let cooked =
             if foreground && self.has_keys { terminal::disable_raw_mode() } else { Ok(()) };
         #[cfg(unix)]
         if !foreground && tcgetattr(io::stdout())?.local_modes.contains(LocalModes::TOSTOP) {
-            // The shell has restored the settings, and does not let others write.
+            // The shell has reset the settings, and TOSTOP bars writing.
             return Ok(());
         }
         let (mut out, start) = (self.escapes.restore.into(), Instant::now());
         self.write(&mut out)?;
         while !out.is_empty() && start.elapsed() < Duration::from_secs(1) {
-            self.wait(LOOK, true)?;
+            self.wait(None, true)?;
             self.write(&mut out)?;
         }
         #[cfg(unix)]
@@ -1056,7 +1049,7 @@ impl Screen {
             self.write(&mut out)?;
             return Err(io::Error::other("the terminal accepts no more output"));
         }
-        settings
+        cooked
     }
 
     /// Writes what there is room for, and leaves the rest in `out`.
@@ -1074,10 +1067,12 @@ impl Screen {
         Ok(())
     }
 
-    /// Waits until `time` is up or a signal or a key comes or, if something is `unwritten`, there is room
-    /// for it. True if a key came.
-    fn wait(&self, time: Duration, unwritten: bool) -> io::Result<bool> {
+    /// Waits for a key, or for room if output is `unwritten`, until `deadline`, but 100 ms at most: then
+    /// the loop checks the terminal's size and foreground job again. True if a key came.
+    fn wait(&self, deadline: Option<Instant>, unwritten: bool) -> io::Result<bool> {
         let has_keys = self.has_keys && self.taken.load(SeqCst);
+        let until = |deadline: Instant| deadline.saturating_duration_since(Instant::now());
+        let time = deadline.map_or(Duration::MAX, until).min(Duration::from_millis(100));
         if !has_keys && !unwritten {
             thread::sleep(time);
             return Ok(false);
@@ -1086,24 +1081,25 @@ impl Screen {
         return event::poll(time);
         #[cfg(unix)]
         {
-            let pollfd = |fd, events| pollfd { fd, events, revents: 0 };
-            let [stdin, file] = [io::stdin().as_raw_fd(), self.file.as_raw_fd()];
-            let mut fds = [pollfd(stdin, POLLIN), pollfd(file, POLLOUT)];
-            let fds_wanted = &mut fds[usize::from(!has_keys)..1 + usize::from(unwritten)];
+            let stdin = (has_keys, io::stdin().as_raw_fd(), POLLIN);
+            let file = (unwritten, self.file.as_raw_fd(), POLLOUT);
+            let wanted = [stdin, file].into_iter().filter(|(is_wanted, ..)| *is_wanted);
+            let fds = wanted.map(|(_, fd, events)| pollfd { fd, events, revents: 0 });
+            let mut fds: Vec<_> = fds.collect();
             // `poll` counts whole milliseconds and drops the rest. A signal ends it with an error.
-            let _ = poll(fds_wanted, Some(time + Duration::from_micros(999)));
-            Ok(fds[0].revents & POLLIN != 0)
+            let _ = poll(&mut fds, Some(time + Duration::from_micros(999)));
+            Ok(has_keys && fds[0].revents & POLLIN != 0)
         }
     }
 
-    /// The keys that were pressed, without Ctrl or Alt.
+    /// The keys that were pressed, each without a modifier.
     fn keys(&self) -> io::Result<Vec<KeyCode>> {
         let mut keys = Vec::new();
-        // After a stop the donut may be in the background. (A poll of no time would not look.)
+        // After a stop the donut may be in the background. (A poll of zero reads nothing.)
         while !self.resume.load(SeqCst) && event::poll(Duration::from_millis(1))? {
             let mut event = event::read()?;
-            // An arrow key's code begins like Esc. Nobody presses another key within 20 ms of Esc, so what
-            // comes then is the rest of such a code, over a slow line.
+            // An arrow key's code begins like Esc. Nobody presses another key within 20 ms of Esc, so
+            // what comes then is the rest of such a code, over a slow line.
             let soon = Duration::from_millis(20);
             while cfg!(unix) && event == Event::Key(KeyCode::Esc.into()) && event::poll(soon)? {
                 match event::read()? {
@@ -1117,7 +1113,7 @@ impl Screen {
         Ok(keys)
     }
 
-    /// Columns and rows of the terminal, if it is one: 80x24 if it does not know.
+    /// The terminal's columns and rows, if there is one: 80x24 if it reports none.
     fn size(&self) -> io::Result<Option<(u16, u16)>> {
         #[cfg(unix)]
         let size = || tcgetwinsize(io::stdout()).map(|size| (size.ws_col, size.ws_row));
@@ -1132,14 +1128,14 @@ impl Screen {
 fn open_stdout() -> io::Result<File> {
     #[cfg(windows)]
     {
-        // To ask is to make the console understand escape codes.
+        // Asking turns on the console's escape codes.
         crossterm::ansi_support::supports_ansi();
         Ok(std::os::windows::io::AsHandle::as_handle(&io::stdout()).try_clone_to_owned()?.into())
     }
     #[cfg(unix)]
     {
-        // The program's own terminal is opened again, so that no write waits for room. To make descriptor 1
-        // itself nonblocking would make the shell's so, too.
+        // If this is the controlling terminal, open it again, so that no write blocks. Making descriptor
+        // 1 nonblocking would affect the shell's, too.
         let flags = OFlags::WRONLY | OFlags::NONBLOCK | OFlags::NOCTTY | OFlags::CLOEXEC;
         let terminal = rustix::fs::open("/dev/tty", flags, Mode::empty());
         match terminal.and_then(|terminal| tcgetpgrp(io::stdout()).map(|_| terminal)) {

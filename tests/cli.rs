@@ -187,7 +187,7 @@ fn options_that_do_not_fit_together_are_refused_with_the_values_of_all() {
         (&["--r1=.00199"], "1.000001 to 1000 times as large"),
         (
             &["--method=classic", "--r2=3"],
-            "--method classic needs --r1, --r2 and --k2 to be 1, 2 and 5, not 1, 3 and 5",
+            "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5, not 1, 3 and 5",
         ),
     ] {
         assert_refused(options, &[said]);

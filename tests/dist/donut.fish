@@ -1,5 +1,5 @@
 complete -c donut -f
-complete -c donut -l fps -d 'Frames a second; 0 is as fast as possible' -r -f
+complete -c donut -l fps -d 'Frames per second; 0 means no limit' -r -f
 complete -c donut -l frames -d 'Stop after N frames; the last one stays on the screen' -r -f
 complete -c donut -l spin -d 'Rotation per frame, in radians' -r -f
 complete -c donut -s A -d 'Starting angle about the x axis, in radians' -r -f
@@ -7,7 +7,7 @@ complete -c donut -s B -d 'Starting angle about the z axis, in radians' -r -f
 complete -c donut -l method -d 'How to draw' -r -f -a "auto\t'The default: classic for donut.c\'s own picture, else exact'
 classic\t'donut.c\'s way: plots many points, and the nearest wins'
 exact\t'Follows a ray through each cell\'s centre: right at any size'"
-complete -c donut -l color -d 'One colour: a name, 0 to 255, or \'#rrggbb\'' -r -f -a "black\t''
+complete -c donut -l color -d 'Colour: a name, 0 to 255, or \'#rrggbb\'' -r -f -a "black\t''
 dark_grey\t''
 grey\t''
 white\t''
@@ -28,6 +28,6 @@ complete -c donut -l height -d 'Rows [default: all but 2, or 22 in a pipe]' -r -
 complete -c donut -l aspect -d 'Height of a character cell over its width' -r -f
 complete -c donut -l r1 -d 'Radius of the tube' -r -f
 complete -c donut -l r2 -d 'Radius of the ring, greater than --r1' -r -f
-complete -c donut -l k2 -d 'Viewer\'s distance, greater than --r1 plus --r2' -r -f
+complete -c donut -l k2 -d 'Distance from viewer to centre, over --r1 plus --r2' -r -f
 complete -c donut -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c donut -s V -l version -d 'Print version'

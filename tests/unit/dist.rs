@@ -8,18 +8,19 @@ use clap_mangen::roff::{Roff, bold, italic, roman};
 
 /// What the help does not say: it would be too long.
 const EXIT_STATUS: &str = "\
-  0  A key, --frames, or SIGINT, SIGTERM, SIGHUP or SIGQUIT on a terminal ended it, or the reader of the \
-     pipe went away.
-  1  It could not write, or could not read keys, or the terminal was gone or accepted no more output.
-  2  An option is wrong.
+  0  A key or --frames ended it, or the reader of the pipe went away, or, on a terminal, SIGINT, SIGTERM, \
+     SIGHUP or SIGQUIT came.
+  1  It could not write or read keys, or the terminal was gone or stopped accepting output.
+  2  An option was invalid.
   101  It panicked, which is a bug.
 
-In a pipe or a file a signal ends it as usual: shells report 130 for SIGINT, 143 for SIGTERM, 129 for \
-     SIGHUP and 131 for SIGQUIT. However it ends, the terminal is restored, except after SIGKILL or a \
-     signal that no program expects, such as SIGSEGV.
+In a pipe or a file, signals end it as usual: shells report 130 for SIGINT, 143 for SIGTERM, 129 for \
+     SIGHUP and 131 for SIGQUIT. The terminal is restored, unless SIGKILL or another signal that donut \
+     does not handle ends it.";
 
-In the background it waits and draws nothing until fg brings it back. Where there is no shell to do \
-     that, as in ssh -t host donut, Ctrl-Z does nothing.";
+/// What the help does not say of jobs.
+const JOBS: &str = "In the background the donut waits, and is not drawn until fg brings it back. Where no \
+    shell can do that, as in ssh -t host donut, Ctrl-Z does nothing.";
 
 /// The sections after the options of the help, as headings and lines.
 fn help_sections() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -40,6 +41,8 @@ fn description(page: &mut Roff) {
     let about = Options::command().get_long_about().unwrap().to_string();
     page.control("SH", ["DESCRIPTION"]);
     page.text([roman(about.split_once("\n\n").unwrap().1)]);
+    page.control("PP", []);
+    page.text([roman(JOBS)]);
 }
 
 fn synopsis(page: &mut Roff) {
