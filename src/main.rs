@@ -354,15 +354,16 @@ impl Animation<'_> {
     fn play(&mut self) -> io::Result<()> {
         // On a dumb terminal further frames would only scroll by.
         let last = self.options.frames.unwrap_or(if self.screen.is_dumb { 1 } else { u64::MAX });
-        let mut key_pressed = false;
         while !self.screen.quit.load(SeqCst) && (self.frames < last || !self.out.is_empty()) {
+            let deadline = self.deadline.filter(|_| self.out.is_empty());
+            let key_pressed = self.screen.wait(deadline, !self.out.is_empty())?;
             if !self.screen.may_draw()? {
                 self.out.clear();
-                key_pressed = self.screen.wait(None, false)?;
+                self.screen.wait(None, false)?;
                 continue;
             }
-            // `fit` and `take` add to `out` what belongs before the next frame.
             let mut mid_frame = !self.out.is_empty();
+            // This and `take` add to `out` what belongs before the next frame.
             self.fit()?;
             if self.screen.take()? {
                 self.out = self.screen.escapes.take.into();
@@ -376,8 +377,6 @@ impl Animation<'_> {
                 self.draw(is_due);
             }
             self.screen.write(&mut self.out)?;
-            let deadline = self.deadline.filter(|_| self.out.is_empty());
-            key_pressed = self.screen.wait(deadline, !self.out.is_empty())?;
         }
         Ok(())
     }

@@ -65,8 +65,8 @@ fn put(svg: &mut String, column: f64, row: f64, class: &str, glyphs: &str) {
 /// In 157 frames, half of donut.c's turn, B goes once round and A twice: then it begins again.
 fn moving_picture() -> String {
     const FRAMES: usize = 157;
-    /// Each frame has 21 rows that are drawn on, and a row of margin.
-    const ROWS: f64 = 22.0;
+    /// An empty row, 21 rows that are drawn on, and another empty one.
+    const ROWS: f64 = 23.0;
     /// The cells in which the donut is ever seen.
     const COLUMNS: Range<usize> = 14..64;
     let turn = std::f64::consts::TAU / FRAMES as f64;
@@ -88,9 +88,7 @@ fn moving_picture() -> String {
             if !glyphs.is_empty() {
                 let column = line.len() - glyphs.len() - COLUMNS.start;
                 assert!(line.len() <= COLUMNS.end);
-                // Half of the empty first row is the margin at the top, and half the one at the bottom.
-                let row = n as f64 * ROWS + row as f64 - 0.5;
-                put(&mut svg, column as f64, row, "", glyphs);
+                put(&mut svg, column as f64, n as f64 * ROWS + row as f64, "", glyphs);
             }
         }
     }
@@ -101,7 +99,7 @@ fn moving_picture() -> String {
 fn two_methods() -> String {
     /// The cells in which this donut is seen.
     const COLUMNS: Range<usize> = 5..36;
-    const ROWS: usize = 16;
+    const ROWS: usize = 15;
     let pose = "--width=40 --height=17 -A=0.35 -B=0.5 --frames=1 --method";
     let [classic, exact] =
         ["classic", "exact"].map(|method| frames(&format!("{pose}={method}")).remove(0));

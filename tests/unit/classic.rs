@@ -25,7 +25,7 @@ fn exact_hardly_flickers_where_classic_shimmers() {
 
 /// Draws as `classic` does, with these steps of theta and phi.
 pub fn with_steps(view: View, theta: f64, phi: f64) -> Renderer {
-    let mut renderer = Renderer::new(view, Method::Classic, RAMP);
+    let mut renderer = renderer(view, Method::Classic);
     renderer.circles = Some([circle(theta), circle(phi)]);
     renderer
 }
@@ -72,7 +72,7 @@ fn holes_and_see_through(mut renderer: Renderer) -> (usize, usize) {
 #[test]
 fn the_steps_shrink_with_the_size_or_the_far_wall_shows_through() {
     let view = enlarged(4);
-    let shrunk = holes_and_see_through(Renderer::new(view, Method::Classic, RAMP));
+    let shrunk = holes_and_see_through(renderer(view, Method::Classic));
     let fixed = holes_and_see_through(with_steps(view, 0.07, 0.02));
     println!("holes and see-through: {shrunk:?}, with fixed steps {fixed:?}");
     assert!(shrunk.0 == 0 && shrunk.1 < 100, "{shrunk:?}");
@@ -82,7 +82,7 @@ fn the_steps_shrink_with_the_size_or_the_far_wall_shows_through() {
 #[test]
 fn the_steps_shrink_with_the_height_of_flat_cells_as_well() {
     let view = View::new(100, 400, 0.25, 2.0, 5.0);
-    let (holes, through) = holes_and_see_through(Renderer::new(view, Method::Classic, RAMP));
+    let (holes, through) = holes_and_see_through(renderer(view, Method::Classic));
     assert!(holes == 0 && through < 100, "{holes} {through}");
 }
 

@@ -4,7 +4,7 @@
 //! - `oracle.rs`: what a ray truly sees, found slowly and in another way than the program's.
 //! - `classic.rs`: what `classic` is built of, and where its picture differs from the truth.
 //! - `clock.rs`: the angles A and B, frame after frame, and which method `auto` then chooses.
-//! - `terminal.rs`: the keys, and what a panic leaves on the terminal.
+//! - `terminal.rs`: what a panic leaves on the terminal.
 //! - `dist.rs`: writes the manual page and the completions of tests/dist, and finds them up to date.
 //! - `chart/`: measures speed and accuracy, and draws the charts of tests/chart: `plot.rs` is how they
 //!   are drawn, `rivals.rs` the other methods that they compare with ours.
@@ -58,8 +58,16 @@ fn own_poses(count: usize) -> Vec<(f64, f64)> {
     (0..count).map(|n| (2.44 * n as f64, 1.22 * n as f64)).collect()
 }
 
-fn draw(method: Method, view: View, a: f64, b: f64) -> Vec<u8> {
+/// A renderer, also for an enlarged view: that reaches further below the picture than the program's own
+/// views.
+fn renderer(view: View, method: Method) -> Renderer {
     let mut renderer = Renderer::new(view, method, RAMP);
+    renderer.zbuffer.resize(view.width * (view.height + 2 + view.height / 10), 0.0);
+    renderer
+}
+
+fn draw(method: Method, view: View, a: f64, b: f64) -> Vec<u8> {
+    let mut renderer = renderer(view, method);
     renderer.render_frame(a, b);
     renderer.framebuffer
 }

@@ -132,7 +132,7 @@ fn closed_form(name: &str, view: View, first_root: impl Fn([f64; 3]) -> f64 + 's
 /// The program's own.
 fn own_ways(times: usize) -> Vec<Way> {
     [("classic x1", Method::Classic), ("exact", Method::Exact)]
-        .map(|(name, method)| program(name, Renderer::new(enlarged(times), method, RAMP)))
+        .map(|(name, method)| program(name, renderer(enlarged(times), method)))
         .into()
 }
 
