@@ -101,21 +101,19 @@ use {
 /// unless you set a size, and ends only with --frames.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
-// A later option overrides an earlier one, as one from `alias donut='donut --color cyan'`.
+// A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`.
 #[command(args_override_self = true)]
 #[command(mut_args(arrange))]
 struct Options {
     /// Frames per second; 0 means no limit
     ///
-    /// At most 1000.
-    ///
-    /// Each frame turns the donut by --spin: 60 spins twice as fast as 30.
+    /// At most 1000. Each frame turns by --spin, so 60 doubles the speed.
     #[arg(long, value_name = "N", default_value = "30", value_parser = within(RATES))]
     fps: f64,
 
     /// Stop after N frames; the last one stays on the screen
     ///
-    /// On a terminal this clears it and draws from the top of the screen.
+    /// On a terminal this draws from the top of the screen, cleared first.
     #[arg(long, value_name = "N", value_parser = within(COUNTS))]
     frames: Option<u64>,
 
@@ -135,7 +133,7 @@ struct Options {
     ///
     /// Classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5.
     ///
-    /// After 31 hours at 30 fps, donut.c's angles get coarse; auto is exact.
+    /// After 31 hours at 30 fps, donut.c's angles get too coarse for auto.
     #[arg(long, value_enum, default_value_t, hide_default_value = true)]
     method: Method,
 
@@ -169,13 +167,11 @@ struct Options {
     #[arg(long, value_name = "R", default_value = "1", value_parser = within(LENGTHS))]
     r1: f64,
 
-    /// Radius of the ring, greater than --r1
-    ///
-    /// To the middle of the tube; at most 1000 times --r1.
+    /// Radius of the ring, 1.000001 to 1000 times --r1
     #[arg(long, value_name = "R", default_value = "2", value_parser = within(LENGTHS))]
     r2: f64,
 
-    /// Distance from viewer to centre, over --r1 plus --r2
+    /// Distance of the viewer, greater than --r1 plus --r2
     #[arg(long, value_name = "D", default_value = "5", value_parser = within(LENGTHS))]
     k2: f64,
 }
@@ -261,18 +257,21 @@ const RING: RangeInclusive<f64> = 1.000_001..=1000.0;
 /// The least K2 / (R1 + R2). From nearer, f64 cannot tell which rays graze the donut.
 const NEAREST: f64 = 1.000_001;
 
+/// The quotient of two lengths, without the rounding that makes 0.35 / 0.07 a little less than 5.
+fn ratio(length: f64, unit: f64) -> f64 {
+    let (ratio, rounded) = (length / unit, (1e6 * length / unit).round() / 1e6);
+    if (ratio - rounded).abs() < 1e-15 * ratio { rounded } else { ratio }
+}
+
 impl Options {
     /// Why the options contradict each other, if they do, naming each value that may be wrong.
     fn refusal(&self) -> Option<String> {
-        let Options { r1, r2, k2, .. } = self;
-        let (ring, distance) = (r2 / r1, k2 / r1);
-        let (least, most) = (RING.start(), RING.end());
-        // Rounding must not refuse the end of a range, such as 9 / 0.009.
-        let ulps = 4.0 * f64::EPSILON;
-        if ring < least * (1.0 - ulps) || ring > most * (1.0 + ulps) {
-            let times = format!("{least} to {most} times as large");
+        let &Options { r1, r2, k2, .. } = self;
+        let (ring, distance) = (ratio(r2, r1), ratio(k2, r1));
+        if !RING.contains(&ring) {
+            let times = format!("{} to {} times as large", RING.start(), RING.end());
             Some(format!("--r1 is {r1} and --r2 is {r2}: --r2 must be larger than --r1, {times}"))
-        } else if distance < NEAREST * (1.0 + ring) * (1.0 - ulps) {
+        } else if ratio(k2, r1 + r2) < NEAREST {
             let sum = format!("--r1 plus --r2 ({r1} + {r2}), at least {NEAREST} times as large");
             Some(format!("--k2 is {k2}: it must be larger than {sum}"))
         } else if self.method == Method::Classic && (ring, distance) != (2.0, 5.0) {
@@ -291,7 +290,7 @@ impl Options {
             width = self.width.unwrap_or(4096).min(columns);
             height = self.height.unwrap_or(4096).min(rows.saturating_sub(2).max(1));
         }
-        let (r2, k2) = (self.r2 / self.r1, self.k2 / self.r1);
+        let (r2, k2) = (ratio(self.r2, self.r1), ratio(self.k2, self.r1));
         View::new(width.into(), height.into(), self.aspect, r2, k2)
     }
 }
@@ -350,11 +349,13 @@ fn run(options: &Options) -> io::Result<()> {
 impl Animation<'_> {
     /// donut.c's `for (;;)`.
     ///
-    /// It never waits for a stalled terminal to accept output, so it always obeys keys and signals.
+    /// It never waits for its own terminal to accept output, so it always obeys keys and signals.
     fn play(&mut self) -> io::Result<()> {
         // On a dumb terminal further frames would only scroll by.
         let last = self.options.frames.unwrap_or(if self.screen.is_dumb { 1 } else { u64::MAX });
-        while !self.screen.quit.load(SeqCst) && (self.frames < last || !self.out.is_empty()) {
+        while !self.screen.quit.load(SeqCst)
+            && (self.frames < last || self.redraw || !self.out.is_empty())
+        {
             let deadline = self.deadline.filter(|_| self.out.is_empty());
             let key_pressed = self.screen.wait(deadline, !self.out.is_empty())?;
             if !self.screen.may_draw()? {
@@ -363,7 +364,7 @@ impl Animation<'_> {
                 continue;
             }
             let mut mid_frame = !self.out.is_empty();
-            // This and `take` add to `out` what belongs before the next frame.
+            // This and `take` put in `out` what belongs before the next frame.
             self.fit()?;
             if self.screen.take()? {
                 self.out = self.screen.escapes.take.into();
@@ -372,7 +373,8 @@ impl Animation<'_> {
             if key_pressed {
                 self.obey_keys()?;
             }
-            let is_due = self.deadline.is_some_and(|deadline| deadline <= Instant::now());
+            let is_due =
+                self.frames < last && self.deadline.is_some_and(|time| time <= Instant::now());
             if (is_due || self.redraw) && !mid_frame {
                 self.draw(is_due);
             }
@@ -422,7 +424,7 @@ impl Animation<'_> {
             // 1e9 s, or 31 years, is enough; more may not fit into a Duration.
             let seconds =
                 if self.options.fps > 0.0 { (1.0 / self.options.fps).min(1e9) } else { 0.0 };
-            // Each deadline counts from the last, so they do not drift. If it has passed, it is now.
+            // Each deadline counts from the last, so they do not drift. A missed one becomes now.
             let next = self.deadline.map(|deadline| deadline + Duration::from_secs_f64(seconds));
             self.deadline = next.max(Some(Instant::now()));
         }
@@ -450,8 +452,8 @@ impl Clock {
         [0, 1].map(|i| advance(angles[i] as f32, self.spin[i]).into())
     }
 
-    /// Whether rounding to `float` keeps the angles to a thousandth of a radian, and donut.c's next step
-    /// to a tenth of the spin.
+    /// Whether rounding to `float` shifts the angles by a thousandth of a radian at most, and donut.c's
+    /// next step by a tenth of the spin at most.
     ///
     /// From frame 3,345,245 on, where A passes 2^17, a step of 0.04 is rounded to 0.047. From frame
     /// 22,918,663 on, where A is 2^20, it is rounded to 0 and A stands still.
@@ -518,7 +520,7 @@ impl View {
             return View::DONUT_C;
         }
         let (w, h) = (width as f64, height as f64);
-        let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / edge(r2, k2);
+        let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / apparent_radius(r2, k2);
         let (cx, cy) = ((w + 1.0) / 2.0, (h + 1.0) / 2.0);
         View { r2, k2, width, height, cx, cy, k1x, k1y: k1x / aspect }
     }
@@ -526,7 +528,7 @@ impl View {
 
 /// The apparent radius of the sphere of radius R1 + R2, which the donut never leaves: the tangent of the
 /// angle between the rays to its centre and to its edge.
-fn edge(r2: f64, k2: f64) -> f64 {
+fn apparent_radius(r2: f64, k2: f64) -> f64 {
     let radius = 1.0 + r2;
     radius / ((k2 - radius) * (k2 + radius)).sqrt()
 }
@@ -625,7 +627,7 @@ impl Renderer {
     /// `exact`: a cell shows what the ray through its centre hits first.
     fn trace(&mut self, a: f64, b: f64) {
         let View { r2, k2, width, cx, cy, k1x, k1y, .. } = self.view;
-        let (torus, edge) = (Torus::new(r2, a, b), edge(r2, k2));
+        let (torus, edge) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
         for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
             let dy = (row as f64 + 0.5 - cy) / k1y;
             // Rays beyond the edge have nothing to hit.
@@ -654,7 +656,7 @@ fn steps(view: &View) -> [f64; 2] {
     [0.07 * shrink, 0.02 * shrink]
 }
 
-/// The sines and the cosines of the angles round a circle, summed as in donut.c.
+/// The angles round a circle, summed as in donut.c: their sines and their cosines.
 fn circle(step: f64) -> (Vec<f32>, Vec<f32>) {
     let angles = std::iter::successors(Some(0.0), |&angle| Some(advance(angle, step)));
     // donut.c stops at 6.28. That is the same at its own steps, but leaves a gap at smaller ones.
@@ -688,13 +690,13 @@ fn floor(value: f32) -> u32 {
 /// How many rays are solved side by side: while one waits for its division, others go on.
 const LANES: usize = 8;
 type Lanes = [f64; LANES];
-/// In place of the s of a hit, for a ray that misses.
+/// The s of a ray that misses (see `Torus`).
 const MISS: f64 = f64::INFINITY;
 /// The search ends once a step is shorter than this, in units of R1. Each Newton step doubles the
-/// correct digits, so what is left is below rounding. A grazing ray converges slowly, but 1e-8 along it
-/// from where it touches, it is within 1e-16 of the surface.
+/// correct digits, so what is left is below rounding. A grazing ray converges slowly, but 1e-8 from
+/// where it touches, the surface is within 1e-16.
 const LAST_STEP: f64 = 1e-8;
-/// The slowest ray found takes 36 steps. One that took more than this would count as a hit.
+/// The slowest ray found takes 36 steps. One that took more than 64 would count as a hit.
 const MOST_STEPS: usize = 64;
 /// Added to each luminance, far below what can be seen. In symmetric poses 8 L may be a whole number, and
 /// rounding would choose between two glyphs. This way all machines choose the brighter one.
@@ -724,7 +726,7 @@ const HAIR: f64 = 1e-12;
 /// coefficients stay small however far away the viewer is.
 ///
 /// A cell is right unless 8 L is within 1e-11 below a whole number, or a tube thinner or thicker by
-/// 1e-13 (R1 + R2) would look different there. f64 cannot tell those.
+/// 1e-13 (R1 + R2) would look different there: f64 cannot tell.
 struct Torus {
     r2: f64,
     /// The axis of revolution, of length 1, after the turns by A and B. No third angle matters: a donut
@@ -793,7 +795,7 @@ impl Torus {
     /// 2. If G is positive at w, it converges to c from the left. If G rises there, the ray misses.
     /// 3. If G is negative at w, it converges to c from the right, where G is concave and falls.
     ///
-    /// All rays step until the last has arrived. One that has arrived moves no further than by rounding,
+    /// All rays step until the last has arrived. One that has arrived moves only by rounding,
     /// and one that has missed stays at infinity, where the slope is infinite.
     fn first_hits(&self, rays: &Rays) -> Lanes {
         let radius = 1.0 + self.r2;
@@ -909,7 +911,7 @@ struct Screen {
     taken: AtomicBool,
     // What signals have asked for.
     quit: Arc<AtomicBool>,
-    #[cfg_attr(windows, allow(dead_code, reason = "Windows stops no programs"))]
+    #[cfg_attr(windows, allow(dead_code, reason = "no job control on Windows"))]
     suspend: Arc<AtomicBool>,
     resume: Arc<AtomicBool>,
     resize: Arc<AtomicBool>,
@@ -958,8 +960,7 @@ impl Screen {
             }
             process::exit(1)
         };
-        // SIGINT, SIGTERM and SIGHUP.
-        ctrlc::set_handler(end).map_err(io::Error::other)?;
+        ctrlc::set_handler(end).map_err(io::Error::other)?; // SIGINT, SIGTERM and SIGHUP.
         #[cfg(unix)]
         for (signal, flag) in [
             (SIGQUIT, &self.quit),
@@ -976,7 +977,7 @@ impl Screen {
     /// Ctrl-Z, the program stops here until a shell continues it.
     fn may_draw(&self) -> io::Result<bool> {
         #[cfg(unix)]
-        // In the first job of a session there is no shell to continue it.
+        // A session's first job has no shell to continue it.
         if self.suspend.swap(false, SeqCst) && getsid(None) != Ok(getpgrp()) {
             // If this fails now, it will fail again after the stop.
             let _ = self.restore();
@@ -1094,7 +1095,7 @@ impl Screen {
     /// The keys that were pressed, each without a modifier.
     fn keys(&self) -> io::Result<Vec<KeyCode>> {
         let mut keys = Vec::new();
-        // After a stop the donut may be in the background. (A poll of zero reads nothing.)
+        // After a stop the donut may be in the background. (A poll of 0 ms reads nothing.)
         while !self.resume.load(SeqCst) && event::poll(Duration::from_millis(1))? {
             let mut event = event::read()?;
             // An arrow key's code begins like Esc. Nobody presses another key within 20 ms of Esc, so

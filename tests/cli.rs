@@ -208,9 +208,13 @@ fn the_ends_of_the_range_of_scenes_are_accepted() {
 
 #[test]
 fn the_same_scene_in_other_units_is_donut_cs() {
-    let scaled = ["--r1=20", "--r2=40", "--k2=100", "--frames=2", "--fps=0"];
     let own = donut(&["--frames=2", "--fps=0"]).output().unwrap().stdout;
-    donut(&scaled).assert().success().stdout(own);
+    // In floating point 0.35 / 0.07 is less than 5.
+    for [r1, r2, k2] in [["20", "40", "100"], ["0.07", "0.14", "0.35"], ["0.23", "0.46", "1.15"]] {
+        let scaled = ["--r1", r1, "--r2", r2, "--k2", k2, "--frames=2", "--fps=0"];
+        donut(&scaled).assert().success().stdout(own.clone());
+        donut(&scaled).arg("--method=classic").assert().success().stdout(own.clone());
+    }
 }
 
 #[test]

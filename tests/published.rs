@@ -182,7 +182,7 @@ fn sentences(table: &Table) -> [String; 3] {
             classic("extra outline")
         ),
         format!(
-            "as right, but it takes {:.1} times as long",
+            "just as right, but {:.1} times as slow",
             table.micros("closed form f32") / table.micros("exact")
         ),
         format!(

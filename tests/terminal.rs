@@ -682,6 +682,29 @@ fn with_frames_it_draws_in_place_and_the_last_picture_stays() {
 }
 
 #[test]
+fn a_resize_or_a_stop_during_the_last_frame_does_not_lose_it() {
+    let options = [&STILL[..], &["--frames=1"]].concat();
+    for stop in [false, true] {
+        // The frame is larger than what a terminal holds.
+        let mut pty = Pty::run_unread(DONUT, &options, (600, 300), "xterm");
+        pty.wait_for("the start", Pty::is_changed);
+        sleep(Duration::from_millis(300));
+        if stop {
+            pty.signal("STOP");
+            pty.signal("CONT");
+        } else {
+            pty.resize((500, 250));
+        }
+        sleep(Duration::from_millis(300));
+        pty.read(1 << 16, Duration::ZERO);
+        assert_eq!(pty.exit(), 0);
+        let size = if stop { (600, 300) } else { (500, 250) };
+        pty.wait_for("the picture", |pty| pty.lines() == picture(size, size));
+        pty.assert_restored();
+    }
+}
+
+#[test]
 fn a_dumb_terminal_gets_one_still_frame_without_an_escape() {
     let options = [&STILL[..], &["--color=red"]].concat();
     let mut pty = Pty::run(DONUT, &options, (80, 24), "dumb");

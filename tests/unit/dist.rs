@@ -10,7 +10,7 @@ use clap_mangen::roff::{Roff, bold, italic, roman};
 const EXIT_STATUS: &str = "\
   0  A key or --frames ended it, or the reader of the pipe went away, or, on a terminal, SIGINT, SIGTERM, \
      SIGHUP or SIGQUIT came.
-  1  It could not write or read keys, or the terminal was gone or stopped accepting output.
+  1  Output or input failed, or the terminal was gone or stopped accepting output.
   2  An option was invalid.
   101  It panicked, which is a bug.
 

@@ -218,7 +218,7 @@ fn a_ray_in_the_plane_of_the_ring_hits_the_outer_equator() {
 
 #[test]
 fn rays_that_touch_the_bounding_sphere_miss_or_have_a_finite_luminance() {
-    let edge = edge(2.0, 5.0);
+    let edge = apparent_radius(2.0, 5.0);
     for n in 0..1000 {
         let (sin, cos) = (0.01 * f64::from(n)).sin_cos();
         for edge in [edge, edge * (1.0 + 1e-15), edge * (1.0 - 1e-15)] {
@@ -370,7 +370,7 @@ fn rays_between_a_hit_and_a_miss_are_right() {
     for (r2, k2) in
         [(2.0, 5.0), (2.0, 3.01), (2.0, 1e6), (CLOSED, 5.0), (1.1, 50.0), (1000.0, 1500.0)]
     {
-        let edge = edge(r2, k2);
+        let edge = apparent_radius(r2, k2);
         for n in 0..150 {
             let (b, dy) = (random.between(0.0, 7.0), edge * random.between(-1.0, 1.0));
             let [near, far] = [(); 2].map(|_| match n % 3 {
@@ -447,7 +447,7 @@ fn the_edge_is_right_however_near_the_viewer_is() {
     // To subtract the squares of K2 and R1 + R2 would lose most bits.
     for gap in (1..=20).map(|exponent| 0.5_f64.powi(exponent)) {
         let expected = 3.0 / (gap * (6.0 + gap)).sqrt();
-        assert!((edge(2.0, 3.0 + gap) / expected - 1.0).abs() < 1e-15, "{gap}");
+        assert!((apparent_radius(2.0, 3.0 + gap) / expected - 1.0).abs() < 1e-15, "{gap}");
     }
 }
 

@@ -13,7 +13,7 @@ pub fn trace_with<const N: usize>(
     first_hits: impl Fn(&Torus, &[Rays; N]) -> [Lanes; N],
 ) {
     let View { r2, k2, width, cx, cy, k1x, k1y, .. } = *view;
-    let (torus, edge) = (Torus::new(r2, a, b), edge(r2, k2));
+    let (torus, edge) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
     for (row, cells) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
         let dy = (row as f64 + 0.5 - cy) / k1y;
         let half = (edge * edge - dy * dy).max(0.0).sqrt() * k1x;
