@@ -359,7 +359,7 @@ impl Animation<'_> {
             let deadline = self.deadline.filter(|_| self.out.is_empty());
             let key_pressed = self.screen.wait(deadline, !self.out.is_empty())?;
             if !self.screen.may_draw()? {
-                self.out.clear();
+                (self.out, self.redraw) = (Vec::new(), true);
                 self.screen.wait(None, false)?;
                 continue;
             }
