@@ -360,9 +360,8 @@ fn error(torus: &Torus, k2: f64, dx: f64, dy: f64) -> Option<f64> {
 /// between a ray that hits and one that misses, or that hits far away from it, there is one that
 /// grazes. Halving the way between the two, in the angle A and in dx, leads there.
 ///
-/// It found that a last step of 1e-5 draws cells where no donut is. So does a limit of 20 steps, after
-/// which a ray can be far from the donut; 30 are enough for all rays found here. A last step shorter
-/// than 1e-6 brings no hit nearer to the surface.
+/// It found that a last step of 1e-6 draws cells where no donut is. So does a limit of 20 steps, after
+/// which a ray can be far from the donut; 36 are enough for all rays found so far.
 #[test]
 fn rays_between_a_hit_and_a_miss_are_right() {
     let mut random = Random(2011);
@@ -409,7 +408,7 @@ fn rays_between_a_hit_and_a_miss_are_right() {
         }
     }
     println!("{tally:?}, {worst} from the surface");
-    assert!(tally.cells > 1500 && tally.wrong() == 0 && worst < 1e-9, "{tally:?} {worst}");
+    assert!(tally.cells > 1500 && tally.wrong() == 0 && worst < 1e-10, "{tally:?} {worst}");
 }
 
 #[test]
