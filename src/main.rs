@@ -857,8 +857,7 @@ const UPDATE: [&str; 3] = ["\x1b[?2026h\x1b[H", "\r\n", "\x1b[?2026l"];
 struct Escapes {
     take: &'static str,
     clear: &'static str,
-    color: String,
-    frame: [&'static str; 3],
+    frame: [String; 3],
     restore: &'static str,
 }
 
@@ -866,7 +865,7 @@ impl Escapes {
     fn new(is_terminal: bool, is_dumb: bool, options: &Options) -> Escapes {
         // Mode 25 is the cursor, 1049 the alternate screen, and 2026 a synchronised update, which hides
         // half-drawn frames. In raw mode a newline needs its \r.
-        let (take, frame, restore) = if is_dumb {
+        let (take, [begin, newline, end], restore) = if is_dumb {
             ("", ["", "\n", "\n"], "")
         } else if !is_terminal {
             // donut.c's own bytes.
@@ -879,20 +878,20 @@ impl Escapes {
         // The option is explicit, so it overrides NO_COLOR.
         style::force_color_output(true);
         let color = options.color.filter(|_| !is_dumb).map(SetForegroundColor);
-        let color = color.map(|color| color.to_string()).unwrap_or_default();
-        Escapes { take, clear: if is_dumb { "" } else { CLEAR }, color, frame, restore }
+        let color = color.map(|color| (color.to_string(), "\x1b[0m")).unwrap_or_default();
+        let frame = [begin.to_owned() + &color.0, newline.to_owned(), end.to_owned() + color.1];
+        Escapes { take, clear: if is_dumb { "" } else { CLEAR }, frame, restore }
     }
 
     fn encode(&self, renderer: &Renderer, out: &mut Vec<u8>) {
-        let [begin, newline, end] = self.frame;
-        out.extend([begin, &self.color].concat().bytes());
+        let [begin, newline, end] = self.frame.each_ref().map(String::as_bytes);
+        out.extend_from_slice(begin);
         for row in renderer.framebuffer.chunks_exact(renderer.view.width) {
             // The newline stands for column 0, which stays empty.
-            out.extend_from_slice(newline.as_bytes());
+            out.extend_from_slice(newline);
             out.extend_from_slice(&row[1..]);
         }
-        let reset = if self.color.is_empty() { "" } else { "\x1b[0m" };
-        out.extend([end, reset].concat().bytes());
+        out.extend_from_slice(end);
     }
 }
 
@@ -1078,9 +1077,9 @@ impl Screen {
             return Ok(false);
         }
         #[cfg(windows)]
-        return event::poll(time);
+        let key_pressed = event::poll(time)?;
         #[cfg(unix)]
-        {
+        let key_pressed = {
             let stdin = (has_keys, io::stdin().as_raw_fd(), POLLIN);
             let file = (unwritten, self.file.as_raw_fd(), POLLOUT);
             let wanted = [stdin, file].into_iter().filter(|(is_wanted, ..)| *is_wanted);
@@ -1088,8 +1087,9 @@ impl Screen {
             let mut fds: Vec<_> = fds.collect();
             // `poll` counts whole milliseconds and drops the rest. A signal ends it with an error.
             let _ = poll(&mut fds, Some(time + Duration::from_micros(999)));
-            Ok(has_keys && fds[0].revents & POLLIN != 0)
-        }
+            has_keys && fds[0].revents & POLLIN != 0
+        };
+        Ok(key_pressed)
     }
 
     /// The keys that were pressed, each without a modifier.

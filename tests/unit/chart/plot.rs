@@ -141,18 +141,8 @@ impl<'a> Panel<'a> {
         Ok(self.plane.draw(&PathElement::new(points, style))?)
     }
 
-    /// A dot with its name beside it.
-    fn dot(
-        &self,
-        at: (f64, f64),
-        radius: i32,
-        beside: (i32, i32),
-        end: HPos,
-        name: &str,
-        color: &RGBColor,
-    ) -> Result<()> {
-        self.plane.draw(&Circle::new(self.scaled(at), radius, color.filled()))?;
-        self.label(at, beside, end, name, color)
+    fn dot(&self, at: (f64, f64), radius: i32, color: &RGBColor) -> Result<()> {
+        Ok(self.plane.draw(&Circle::new(self.scaled(at), radius, color.filled()))?)
     }
 }
 
@@ -192,29 +182,32 @@ pub fn speed_and_accuracy(rows: &[Row]) -> Result<String> {
             .line(&steps.iter().map(|row| point(row)).collect::<Vec<_>>(), FAINT.stroke_width(2))?;
         for row in steps.iter().filter(|row| row.name != "classic x1") {
             let name = row.name.trim_start_matches("classic ");
-            panel.dot(point(row), 3, (0, 0), Center, "", &FAINT)?;
+            panel.dot(point(row), 3, &FAINT)?;
             panel.label(point(row), (0, -13), Center, name, &GREY)?;
         }
-        let label = |name: &str, micros: f64| format!("{name}, {micros:.0} µs");
-        panel.dot(classic, 6, (0, 18), Center, &label("classic", classic.0), &ORANGE)?;
-        panel.dot(written, 6, (0, 18), Center, &label("donut.c", written.0), &INK)?;
+        for (at, radius, below, name, color) in [
+            (classic, 6, 18, "classic", ORANGE),
+            (written, 6, 18, "donut.c", INK),
+            (exact, 8, -19, "exact", GREEN),
+        ] {
+            panel.dot(at, radius, &color)?;
+            let name = format!("{name}, {:.0} µs", at.0);
+            panel.label(at, (0, below), Center, &name, &color)?;
+        }
 
         let tracing: Vec<_> = named("sphere tracing ").into_iter().map(point).collect();
         panel.line(&tracing, BLUE.stroke_width(2))?;
-        for (n, &at) in tracing.iter().enumerate() {
-            // Named at its ends.
-            let (beside, end, name) = match n {
-                0 => ((9, -2), Left, "sphere tracing, 8 steps"),
-                4 => ((9, -4), Left, "256 steps"),
-                _ => ((0, 0), Left, ""),
-            };
-            panel.dot(at, 3, beside, end, name, &BLUE)?;
+        for &at in &tracing {
+            panel.dot(at, 3, &BLUE)?;
         }
+        panel.label(tracing[0], (9, -2), Left, "sphere tracing, 8 steps", &BLUE)?;
+        panel.label(tracing[4], (9, -4), Left, "256 steps", &BLUE)?;
         let closed: Vec<_> = named("closed form ").into_iter().map(point).collect();
         panel.line(&closed, PURPLE.stroke_width(2))?;
-        panel.dot(closed[0], 3, (0, 0), Left, "", &PURPLE)?;
-        panel.dot(closed[1], 3, (9, 1), Left, "closed form", &PURPLE)?;
-        panel.dot(exact, 8, (0, -19), Center, &label("exact", exact.0), &GREEN)?;
+        for &at in &closed {
+            panel.dot(at, 3, &PURPLE)?;
+        }
+        panel.label(closed[1], (9, 1), Left, "closed form", &PURPLE)?;
 
         let [tail, head] = [(9.3, 0.25), (6.0, 0.02)];
         panel.line(&[tail, head], GREY.stroke_width(2))?;
@@ -259,7 +252,12 @@ pub fn clock(errors: &[(u32, f64)]) -> Result<String> {
             .collect();
         panel.line(&points, ORANGE.stroke_width(2))?;
         let at = |event: f64| *points.iter().find(|&&(frame, _)| frame == event).unwrap();
-        panel.dot(at(3_345_245.0), 5, (-10, -4), Right, "A turns 17% too fast", &INK)?;
-        panel.dot(at(22_918_663.0), 5, (-10, -4), Right, "A stands still", &INK)
+        for (event, name) in
+            [(3_345_245.0, "A turns 17% too fast"), (22_918_663.0, "A stands still")]
+        {
+            panel.dot(at(event), 5, &INK)?;
+            panel.label(at(event), (-10, -4), Right, name, &INK)?;
+        }
+        Ok(())
     })
 }
