@@ -167,11 +167,13 @@ struct Options {
     #[arg(long, value_name = "R", default_value = "1", value_parser = within(LENGTHS))]
     r1: f64,
 
-    /// Radius of the ring, 1.000001 to 1000 times --r1
+    /// Radius of the ring, 1.001 to 30 times --r1
     #[arg(long, value_name = "R", default_value = "2", value_parser = within(LENGTHS))]
     r2: f64,
 
-    /// Distance of the viewer, greater than --r1 plus --r2
+    /// Distance of the viewer
+    ///
+    /// At least 1.001 times the sum of --r1 and --r2.
     #[arg(long, value_name = "D", default_value = "5", value_parser = within(LENGTHS))]
     k2: f64,
 }
@@ -251,32 +253,39 @@ fn color(text: &str) -> Result<Color, String> {
     }
 }
 
-/// The range of R2 / R1. Below it, f64 cannot resolve the hole. Above it, the tube is only a few columns
-/// thick even on the widest screen.
-const RING: RangeInclusive<f64> = 1.000_001..=1000.0;
-/// The least K2 / (R1 + R2). From nearer, f64 cannot tell which rays graze the donut.
-const NEAREST: f64 = 1.000_001;
+/// The range of R2 / R1. Below it, no screen shows the hole. At its end, the tube is less than three
+/// columns thick on a screen of 80.
+const RING: RangeInclusive<f64> = 1.001..=30.0;
+/// The least K2 / (R1 + R2). From there, the field of view is 175 degrees.
+const NEAREST: f64 = 1.001;
 
-/// The quotient of two lengths, without the rounding that makes 0.35 / 0.07 a little less than 5.
+/// The quotient of two lengths. In f64, 0.35 / 0.07 is a little less than 5; this makes it 5, and so for
+/// each quotient whose nearest number of six decimals is only rounding away.
 fn ratio(length: f64, unit: f64) -> f64 {
     let (ratio, rounded) = (length / unit, (1e6 * length / unit).round() / 1e6);
     if (ratio - rounded).abs() < 1e-15 * ratio { rounded } else { ratio }
 }
 
 impl Options {
-    /// Why the options contradict each other, if they do, naming each value that may be wrong.
-    fn refusal(&self) -> Option<String> {
+    /// The first rule that two or more of the options break together.
+    fn conflict(&self) -> Option<String> {
         let &Options { r1, r2, k2, .. } = self;
         let (ring, distance) = (ratio(r2, r1), ratio(k2, r1));
+        let (thickest, thinnest) = (RING.start(), RING.end());
         if !RING.contains(&ring) {
-            let times = format!("{} to {} times as large", RING.start(), RING.end());
-            Some(format!("--r1 is {r1} and --r2 is {r2}: --r2 must be larger than --r1, {times}"))
+            Some(format!(
+                "--r2 must be {thickest} to {thinnest} times --r1, but --r1 is {r1} and --r2 is {r2}"
+            ))
         } else if ratio(k2, r1 + r2) < NEAREST {
-            let sum = format!("--r1 plus --r2 ({r1} + {r2}), at least {NEAREST} times as large");
-            Some(format!("--k2 is {k2}: it must be larger than {sum}"))
+            Some(format!(
+                "--k2 must be at least {NEAREST} times the sum of --r1 and --r2, but --k2 is {k2}, --r1 is {r1} \
+                 and --r2 is {r2}"
+            ))
         } else if self.method == Method::Classic && (ring, distance) != (2.0, 5.0) {
-            let needs = "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5";
-            Some(format!("{needs}, not {r1}, {r2} and {k2}"))
+            Some(format!(
+                "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5, but they are {r1}, \
+                 {r2} and {k2}"
+            ))
         } else {
             None
         }
@@ -297,8 +306,8 @@ impl Options {
 
 fn main() -> ExitCode {
     let options = Options::parse();
-    if let Some(refusal) = options.refusal() {
-        Options::command().error(ErrorKind::ValueValidation, refusal).exit()
+    if let Some(conflict) = options.conflict() {
+        Options::command().error(ErrorKind::ValueValidation, conflict).exit()
     }
     match run(&options) {
         // A reader that goes away, as in `donut | head`, has seen enough.
@@ -530,7 +539,7 @@ impl View {
 /// angle between the rays to its centre and to its edge.
 fn apparent_radius(r2: f64, k2: f64) -> f64 {
     let radius = 1.0 + r2;
-    radius / ((k2 - radius) * (k2 + radius)).sqrt()
+    radius / ((k2 - r2 - 1.0) * (k2 + radius)).sqrt()
 }
 
 // ---- Rendering -----------------------------------------------------------------------------------
@@ -692,12 +701,12 @@ const LANES: usize = 8;
 type Lanes = [f64; LANES];
 /// The s of a ray that misses (see `Torus`).
 const MISS: f64 = f64::INFINITY;
-/// The search ends once a step is shorter than this, in units of R1. Each Newton step doubles the
-/// correct digits, so what is left is below rounding. A grazing ray converges slowly, but 1e-8 from
-/// where it touches, the surface is within 1e-16.
+/// A search ends once a step is shorter than this, in units of R1. At a simple root, each step doubles
+/// the correct digits, so what is left is below rounding. Where a ray grazes the donut, a step only halves
+/// the distance to the root. But there, 1e-8 to either side, the surface is within 1e-16 of the ray.
 const LAST_STEP: f64 = 1e-8;
-/// The slowest ray found takes 36 steps. One that took more than 64 would count as a hit.
-const MOST_STEPS: usize = 64;
+/// Most rays take about 5 steps. A search that takes more than this never ends: see `hits_at_cusps`.
+const MOST_STEPS: usize = 100;
 /// Added to each luminance, far below what can be seen. In symmetric poses 8 L may be a whole number, and
 /// rounding would choose between two glyphs. This way all machines choose the brighter one.
 const HAIR: f64 = 1e-12;
@@ -725,8 +734,8 @@ const HAIR: f64 = 1e-12;
 /// G is positive outside the donut. Because s counts from P0, there is no cubic term, and the
 /// coefficients stay small however far away the viewer is.
 ///
-/// A cell is right unless 8 L is within 1e-11 below a whole number, or a tube thinner or thicker by
-/// 1e-13 (R1 + R2) would look different there: f64 cannot tell.
+/// Two kinds of cell may be wrong, because f64 cannot tell what is right: one whose 8 L is less than
+/// 1e-11 below a whole number, and one that a tube thinner or thicker by 1e-13 (R1 + R2) would change.
 struct Torus {
     r2: f64,
     /// The axis of revolution, of length 1, after the turns by A and B. No third angle matters: a donut
@@ -780,58 +789,79 @@ impl Torus {
     /// The s of each ray's first hit: the first root of its G, found by Newton's method.
     ///
     /// ```text
-    ///  G  \          .---.          /
-    ///      \       .'     '.       /       -w and w are the inflections of G: it is concave between
-    ///  -----a-----b---------c-----d--> s   them and convex elsewhere. (If it has none, it is convex
-    ///        \   /           \   /         everywhere, and w is 0.) The first root, if any, is a or c.
-    ///         '-' -w       w  '-'
+    ///  G  \           .---.           /
+    ///      \        .'     '.        /     -w and w are the inflections of G: it is concave between
+    ///  -----a------b---------c------d--> s them, and convex to the left and to the right. (Without
+    ///        '.  .'           '.  .'       inflections it is convex everywhere, and w is 0.)
+    ///          '' -w         w  ''
     /// ```
     ///
-    /// The search begins outside the donut, left of the first root. Where G is convex and falls, no step
-    /// passes the next root.
+    /// The ray enters the donut where G falls to 0: at a or at c, or nowhere.
     ///
-    /// 1. To the left of -w the search converges to a, if there is one. If G rises, or a step passes -w,
-    ///    there is none, and it starts again at w.
-    /// 2. If G is positive at w, it converges to c from the left. If G rises there, the ray misses.
-    /// 3. If G is negative at w, it converges to c from the right, where G is concave and falls.
+    /// 1. Left of -w, the steps lead to a from the left and never pass it. If there is no a, they lead to
+    ///    where G rises, or to -w or past it. Then the search starts again, at w.
+    /// 2. If G is positive at w, the steps lead to c from the left. If there is no c, they lead to where G
+    ///    rises, and the ray misses.
+    /// 3. If G is negative at w, c is between -w and w. The steps lead to it from the right.
     ///
-    /// All rays step until the last has arrived. One that has arrived moves only by rounding,
-    /// and one that has missed stays at infinity, where the slope is infinite.
+    /// All rays take steps until the last has arrived. At a simple root this changes no more than the last
+    /// bits of the others. A ray that misses stays at infinity, where the slope is infinite.
     fn first_hits(&self, rays: &Rays) -> Lanes {
-        let radius = 1.0 + self.r2;
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; LANES]; 5];
         for i in 0..LANES {
             let (d0, f0, fu) = (rays.d0[i], rays.f0[i], rays.fu[i]);
             [p[i], q[i], r[i]] = self.quartic(d0, f0, fu);
-            w[i] = (p[i] * (-1.0 / 6.0)).max(0.0).sqrt();
-            // The donut is inside the sphere and between the planes f = -1 and f = 1: no hit comes before
-            // the ray enters both. If fu is 0, this is at infinity, or NaN, which `max` ignores.
-            let enters_sphere = -(radius * radius - d0).max(0.0).sqrt();
-            let enters_planes = -(1.0 + f0 * 1_f64.copysign(fu)) / fu.abs();
-            let start = enters_sphere.max(enters_planes);
-            // A start to the right of -w may move to w: G >= 0 before the donut, so no root is skipped.
-            s[i] = if start > -w[i] { w[i] } else { start };
+            w[i] = inflection(p[i]);
+            // A search that would begin to the right of -w may begin at w. Up to w, G is concave, so if it
+            // is positive at both ends there is no root between them, and if not, this is case 3.
+            let entry = self.entry(d0, f0, fu);
+            s[i] = if entry < -w[i] { entry } else { w[i] };
         }
+        let mut searching = true;
         for _ in 0..MOST_STEPS {
-            let mut searching = false;
+            searching = false;
             // `|` and `&` make no branches, so the compiler vectorises this loop.
             for i in 0..LANES {
-                let ss = s[i] * s[i];
-                let ss_p = ss + p[i];
-                let slope = 2.0 * (ss_p + ss) * s[i] + q[i];
-                let step = ((ss_p * s[i] + q[i]) * s[i] + r[i]) / slope;
+                let (slope, step) = newton([p[i], q[i], r[i]], s[i]);
                 let next = s[i] - step;
-                let left = s[i] < -w[i];
-                let no_root = (slope >= 0.0) | (left & (next > -w[i]));
-                let go_on = if left { w[i] } else { MISS };
-                s[i] = if no_root { go_on } else { next };
-                searching |= (no_root & left) | (!no_root & (step.abs() > LAST_STEP));
+                let no_root = (slope >= 0.0) | ((s[i] < -w[i]) & (next >= -w[i]));
+                // In case 3 G only seems to rise, by rounding at a triple root. The ray hits all the same.
+                let is_before_w = s[i] < w[i];
+                let restart = if is_before_w { w[i] } else { MISS };
+                s[i] = if no_root { restart } else { next };
+                searching |= (no_root & is_before_w) | (!no_root & (step.abs() > LAST_STEP));
             }
             if !searching {
                 break;
             }
         }
+        if searching { self.hits_at_cusps(rays, s) } else { s }
+    }
+
+    /// Ends the searches that do not end by themselves.
+    ///
+    /// Where the visible outline of the donut ends, in a cusp, a ray has a triple root at -w. Rounding
+    /// sends its search from one side of -w to the other and back. Such a ray hits at -w.
+    #[cold] // Inlined, it would slow the loop above by a tenth.
+    fn hits_at_cusps(&self, rays: &Rays, mut s: Lanes) -> Lanes {
+        for i in 0..LANES {
+            let [p, q, r] = self.quartic(rays.d0[i], rays.f0[i], rays.fu[i]);
+            let (_, step) = newton([p, q, r], s[i]);
+            if step.abs() > LAST_STEP {
+                s[i] = -inflection(p);
+            }
+        }
         s
+    }
+
+    /// The s where the ray enters the space that the donut is in: the sphere of radius R1 + R2, between
+    /// the planes f = -1 and f = 1. No hit comes before it.
+    fn entry(&self, d0: f64, f0: f64, fu: f64) -> f64 {
+        let radius = 1.0 + self.r2;
+        let sphere = -(radius * radius - d0).max(0.0).sqrt();
+        // If fu is 0, this is at infinity, or NaN, which `max` ignores.
+        let planes = -(1.0 + f0 * 1_f64.copysign(fu)) / fu.abs();
+        sphere.max(planes)
     }
 
     /// The luminance where ray i hits: the dot product of the normal and the vector to the light.
@@ -846,6 +876,19 @@ impl Torus {
         let across = 1.0 - 2.0 * r2_r2 / (rays.d0[i] + s * s + r2_r2 - 1.0);
         (light - f * axis_light) * across + f * axis_light
     }
+}
+
+/// The slope of G at s, and the step that Newton's method takes from there, to the left if positive.
+fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
+    let ss = s * s;
+    let ss_p = ss + p;
+    let slope = 2.0 * (ss_p + ss) * s + q;
+    (slope, ((ss_p * s + q) * s + r) / slope)
+}
+
+/// The inflection w of G, which has another at -w; 0 if it has none.
+fn inflection(p: f64) -> f64 {
+    (p * (-1.0 / 6.0)).max(0.0).sqrt()
 }
 
 // ---- Terminal ------------------------------------------------------------------------------------

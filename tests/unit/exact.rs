@@ -24,7 +24,7 @@ impl Random {
 }
 
 /// R2 of a donut that is as nearly closed as the options allow.
-const CLOSED: f64 = 1.000_001;
+const CLOSED: f64 = 1.001;
 
 /// What `exact` sees along (dx, dy, 1): 8 L, or nothing.
 fn look(torus: &Torus, k2: f64, dx: f64, dy: f64) -> Option<f64> {
