@@ -3,12 +3,16 @@
 use std::io::{self, Read, Write};
 use std::num::NonZeroU16;
 use std::process::Command;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use filedescriptor::{POLLIN, poll, pollfd};
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, SlavePty, native_pty_system};
 use vt100::{Parser, Screen};
+
+/// What comes true does so within this time, also on a machine under load.
+const PATIENCE: Duration = Duration::from_secs(20);
 
 pub struct Pty {
     /// Gone once it is hung up.
@@ -16,7 +20,7 @@ pub struct Pty {
     /// Kept, or the terminal would be closed with the program.
     _slave: Box<dyn SlavePty + Send>,
     child: Box<dyn Child + Send + Sync>,
-    keys: Option<Box<dyn Write + Send>>,
+    keys: Option<Arc<Mutex<dyn Write + Send>>>,
     seen: Arc<Mutex<Seen>>,
     /// The terminal's settings before the program came, as text.
     settings: String,
@@ -36,14 +40,14 @@ fn pty_size((cols, rows): (u16, u16)) -> PtySize {
 }
 
 impl Pty {
-    /// Runs a program on a terminal of so many columns and rows.
+    /// Runs a program on a terminal with this number of columns and of rows.
     pub fn run(program: &str, arguments: &[&str], size: (u16, u16), term: &str) -> Pty {
         let pty = Pty::run_unread(program, arguments, size, term);
         pty.read(1 << 16, Duration::ZERO);
         pty
     }
 
-    /// Begins to read what the program writes, so many bytes and then a pause at a time.
+    /// Begins to read what the program writes: `bytes` at a time, and then a pause.
     pub fn read(&self, bytes: usize, pause: Duration) {
         let (seen, mut reader) = (self.seen.clone(), self.master().try_clone_reader().unwrap());
         thread::spawn(move || {
@@ -54,9 +58,13 @@ impl Pty {
     }
 
     /// Reads what the program writes until something comes true, and then no more.
+    #[track_caller]
     pub fn read_until(&self, is_true: impl Fn(&Pty) -> bool) {
         let mut reader = self.master().try_clone_reader().unwrap();
+        let fd = self.master().as_raw_fd().unwrap();
         while !is_true(self) {
+            let mut output = [pollfd { fd, events: POLLIN, revents: 0 }];
+            assert_eq!(poll(&mut output, Some(PATIENCE)).unwrap(), 1, "it writes no more");
             assert_ne!(Pty::read_once(&self.seen, &mut reader, 1000).unwrap(), 0);
         }
     }
@@ -70,7 +78,7 @@ impl Pty {
         Ok(count)
     }
 
-    /// Runs an interactive shell, `sh` or `bash`, which has job control.
+    /// Runs an interactive shell, which has job control.
     pub fn shell(shell: &str, size: (u16, u16)) -> Pty {
         let options = if shell == "bash" { &["--norc", "-i"][..] } else { &["-i"] };
         let pty = Pty::run(shell, options, size, "xterm-256color");
@@ -78,7 +86,7 @@ impl Pty {
         pty
     }
 
-    /// The same as `run` on a terminal that does not read what the program writes.
+    /// Runs a program on a terminal that does not read what it writes.
     pub fn run_unread(program: &str, arguments: &[&str], size: (u16, u16), term: &str) -> Pty {
         let pair = native_pty_system().openpty(pty_size(size)).unwrap();
         let settings = format!("{:?}", pair.master.get_termios().unwrap());
@@ -97,7 +105,7 @@ impl Pty {
             master: Some(pair.master),
             _slave: pair.slave,
             child,
-            keys: Some(keys),
+            keys: Some(Arc::new(Mutex::new(keys))),
             seen,
             settings,
         }
@@ -107,10 +115,16 @@ impl Pty {
         self.master.as_deref().unwrap()
     }
 
+    /// Types on the keyboard. A terminal whose program does not read takes no more at some point.
+    #[track_caller]
     pub fn type_bytes(&mut self, bytes: &[u8]) {
-        let keys = self.keys.as_mut().unwrap();
-        keys.write_all(bytes).unwrap();
-        keys.flush().unwrap();
+        let (keys, bytes) = (self.keys.clone().unwrap(), bytes.to_vec());
+        let (done, is_done) = mpsc::channel();
+        thread::spawn(move || {
+            let mut keys = keys.lock().unwrap();
+            done.send(keys.write_all(&bytes).and_then(|()| keys.flush()))
+        });
+        is_done.recv_timeout(PATIENCE).expect("it reads no more").unwrap();
     }
 
     pub fn resize(&self, size: (u16, u16)) {
@@ -143,10 +157,12 @@ impl Pty {
         assert!(kill.args(["-s", name, "--", &group]).status().unwrap().success());
     }
 
-    /// What `ps` says of the process that the program runs, in one column.
+    /// What `ps` says about the process that the program runs, in one column.
     fn job_column(&self, column: &str) -> Option<String> {
         let parent = self.process().to_string();
-        let columns = ["-A", "-o", "ppid=", "-o", column];
+        let path = self.path();
+        let terminal = path.strip_prefix("/dev/").unwrap();
+        let columns = ["-t", terminal, "-o", "ppid=", "-o", column];
         let processes = Command::new("ps").args(columns).output().unwrap();
         let processes = String::from_utf8(processes.stdout).unwrap();
         processes.lines().find_map(|line| {
@@ -201,14 +217,14 @@ impl Pty {
         String::from_utf8(self.seen.lock().unwrap().bytes.clone()).unwrap()
     }
 
-    /// Waits up to twenty seconds for something to come true.
+    /// Waits for something to come true.
     #[track_caller]
     pub fn wait_for(&self, what: &str, is_true: impl Fn(&Pty) -> bool) {
         let start = Instant::now();
         while !is_true(self) {
             let lines = self.lines().join("\n");
-            assert!(start.elapsed() < Duration::from_secs(20), "{what} never came true:\n{lines}");
-            thread::sleep(Duration::from_millis(5));
+            assert!(start.elapsed() < PATIENCE, "{what} never came true:\n{lines}");
+            thread::sleep(Duration::from_millis(20));
         }
     }
 
@@ -216,22 +232,22 @@ impl Pty {
         self.child.try_wait().unwrap().is_none()
     }
 
-    /// Waits up to twenty seconds for the program to end, and says how it did.
+    /// Waits for the program to end, and returns what a shell would call its exit code.
     #[track_caller]
     pub fn exit(&mut self) -> u32 {
         let start = Instant::now();
-        loop {
-            if let Some(status) = self.child.try_wait().unwrap() {
-                // What it wrote last is still on its way.
-                thread::sleep(Duration::from_millis(100));
-                return status.exit_code();
-            }
-            if start.elapsed() > Duration::from_secs(20) {
-                self.child.kill().unwrap();
-                panic!("it goes on");
-            }
+        while self.is_running() {
+            assert!(start.elapsed() < PATIENCE, "it goes on");
             thread::sleep(Duration::from_millis(5));
         }
+        // What it wrote last is still on its way.
+        thread::sleep(Duration::from_millis(100));
+        let status = self.child.wait().unwrap();
+        let signals = [("Hangup", 129), ("Interrupt", 130), ("Quit", 131), ("Terminated", 143)];
+        status.signal().map_or(status.exit_code(), |name| {
+            let signal = signals.iter().find(|signal| name.starts_with(signal.0));
+            signal.unwrap_or_else(|| panic!("{name} ended it")).1
+        })
     }
 
     /// Cursor, screen, synchronized updates and settings are as they were before the program came.
@@ -264,6 +280,11 @@ impl Pty {
 impl Drop for Pty {
     fn drop(&mut self) {
         let _ = self.child.kill();
-        let _ = self.child.wait();
+        for _ in 0..100 {
+            if !matches!(self.child.try_wait(), Ok(None)) {
+                break;
+            }
+            thread::sleep(Duration::from_millis(20));
+        }
     }
 }

@@ -5,13 +5,13 @@ use super::*;
 const FROZEN: u64 = 22_918_663;
 
 fn clock(a: f64, b: f64) -> Clock {
-    Clock { origin: [a, b], steps: 0, spin: [0.04, 0.02] }
+    Clock { origin: [a, b], frames: 0, spin: [0.04, 0.02] }
 }
 
 #[test]
 fn the_exact_clock_still_turns_right_after_2_to_the_40_frames() {
     for (frames, error) in [(0, 1e-9), (1_000_000, 1e-9), (FROZEN, 1e-9), (1 << 40, 1e-5)] {
-        let mut clock = Clock { steps: frames, ..clock(0.0, 0.0) };
+        let mut clock = Clock { frames, ..clock(0.0, 0.0) };
         let [a, b] = clock.angles();
         clock.tick(Method::Exact);
         let [next_a, next_b] = clock.angles();

@@ -243,8 +243,8 @@ fn far_near_thin_closed_large_and_tiny_scenes_have_no_wrong_cell() {
         (1.999, 2.0, 5.0),
         (1.0, CLOSED, 2.1),
         (1.0, CLOSED, 100.0),
-        (1.0, 2.0, 3.0 * NEAREST),
-        (1.0, CLOSED, (1.0 + CLOSED) * NEAREST),
+        (1.0, 2.0, 3.0 * LEAST_DISTANCE),
+        (1.0, CLOSED, (1.0 + CLOSED) * LEAST_DISTANCE),
         (300.0, 700.0, 2000.0),
         (0.01, 0.02, 0.05),
     ] {
@@ -257,7 +257,7 @@ fn far_near_thin_closed_large_and_tiny_scenes_have_no_wrong_cell() {
 #[test]
 fn a_viewer_who_nearly_touches_the_donut_sees_no_wrong_cell() {
     for r2 in [CLOSED, 1.001, 2.0, 7.0, 50.0, 1000.0] {
-        let view = View::new(40, 24, 2.0, r2, (1.0 + r2) * NEAREST);
+        let view = View::new(40, 24, 2.0, r2, (1.0 + r2) * LEAST_DISTANCE);
         let poses = [0.0, 3.2e-8, 1e-7, -1e-4].map(|hair| (FRAC_PI_2 + hair, 3.04980045));
         let tally = compare(view, &poses);
         assert!(tally.surface > 0 && tally.wrong() == 0, "R2 {r2}: {tally:?}");
@@ -310,11 +310,11 @@ fn a_donut_that_does_not_lean_is_its_own_mirror_image() {
         for (width, height) in [(60, 18), (101, 30), (102, 26), (200, 61)] {
             for (r2, k2) in [
                 (2.0, 5.0),
-                (2.0, 3.0 * NEAREST),
+                (2.0, 3.0 * LEAST_DISTANCE),
                 (50.0, 100.0),
-                (1000.0, 1001.0 * NEAREST),
+                (1000.0, 1001.0 * LEAST_DISTANCE),
                 (CLOSED, 5.0),
-                (CLOSED, (1.0 + CLOSED) * NEAREST),
+                (CLOSED, (1.0 + CLOSED) * LEAST_DISTANCE),
             ] {
                 assert_mirrored(View::new(width, height, 2.0, r2, k2), a);
             }
