@@ -1,30 +1,33 @@
-//! The manual page and the completions in tests/dist, made from the options and their help.
+//! The manual page and the completions in tests/dist: the page is written by hand and checked here, the
+//! completions are made from the options.
 
 use super::*;
 use clap::builder::PossibleValuesParser;
 use clap_complete::{Shell, generate};
-use clap_mangen::Man;
-use clap_mangen::roff::{Roff, bold, italic, roman};
+use std::collections::BTreeSet;
+use std::fmt::Display;
 
-/// What the help does not say: it would be too long.
-const EXIT_STATUS: &str = "\
-  0  A key or --frames ended it, or the reader of the pipe went away, or, on a terminal, SIGINT, SIGTERM, \
-     SIGHUP or SIGQUIT came.
-  1  Output or input failed, or the terminal was gone or stopped accepting output.
-  2  An option was invalid.
-  101  It panicked, which is a bug.
+const DIST: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/dist");
 
-In a pipe or a file, signals end it as usual: shells report 130 for SIGINT, 143 for SIGTERM, 129 for \
-     SIGHUP and 131 for SIGQUIT. The terminal is restored, unless SIGKILL or another signal that donut \
-     does not handle ends it.";
+/// The manual page without its fonts.
+fn manual_page() -> String {
+    let mut page = std::fs::read_to_string(format!("{DIST}/donut.1")).unwrap();
+    for (escape, text) in [("\\fB", ""), ("\\fI", ""), ("\\fR", ""), ("\\-", "-"), ("\\ ", " ")] {
+        page = page.replace(escape, text);
+    }
+    page
+}
 
-/// What the help does not say of jobs.
-const JOBS: &str = "In the background the donut waits, and is not drawn until fg brings it back. Where no \
-    shell can do that, as in ssh -t host donut, Ctrl-Z does nothing.";
+/// The line of the page that introduces an option, a key or an exit code, and the text below it.
+fn entry<'a>(page: &'a str, name: &str) -> (&'a str, &'a str) {
+    page.split("\n.")
+        .filter_map(|part| part.strip_prefix("TP\n")?.split_once('\n'))
+        .find(|(line, _)| line.split([' ', ',']).any(|word| word == name))
+        .unwrap_or_else(|| panic!("the manual page has no entry for {name}"))
+}
 
-/// The sections after the options of the help, as headings and lines.
-fn help_sections() -> impl Iterator<Item = (&'static str, &'static str)> {
-    AFTER_HELP.split("\n\n").map(|section| section.split_once(":\n").unwrap())
+fn assert_contains(text: &str, part: &str) {
+    assert!(text.contains(part), "no {part:?} in {text:?}");
 }
 
 /// The names of the colours, as the help of --color lists them.
@@ -36,79 +39,93 @@ fn color_names() -> Vec<&'static str> {
     names.trim_end_matches('.').split(',').map(str::trim).collect()
 }
 
-/// The help's second paragraph: the first is NAME.
-fn description(page: &mut Roff) {
-    let about = Options::command().get_long_about().unwrap().to_string();
-    page.control("SH", ["DESCRIPTION"]);
-    page.text([roman(about.split_once("\n\n").unwrap().1)]);
-    page.control("PP", []);
-    page.text([roman(JOBS)]);
-}
-
-fn synopsis(page: &mut Roff) {
+#[test]
+fn the_manual_page_has_every_option_with_its_values_and_no_other() {
+    let page = manual_page();
     let mut command = Options::command();
     command.build();
-    page.control("SH", ["SYNOPSIS"]);
-    page.text([bold("donut")]);
+    let mut options = BTreeSet::new();
     for option in command.get_arguments() {
-        let mut text = vec![roman("[")];
-        if let Some(short) = option.get_short() {
-            text.push(bold(format!("-{short}")));
+        let short = option.get_short().map(|letter| format!("-{letter}"));
+        let long = option.get_long().map(|word| format!("--{word}"));
+        for name in short.iter().chain(&long) {
+            let (line, text) = entry(&page, name);
+            for value in option.get_value_names().unwrap_or_default() {
+                assert_contains(line, value);
+            }
+            for default in option.get_default_values() {
+                assert_contains(text, &format!("The default is {}.", default.display()));
+            }
         }
-        if let Some(long) = option.get_long() {
-            text.extend(option.get_short().map(|_| roman("|")));
-            text.push(bold(format!("--{long}")));
+        for value in option.get_possible_values() {
+            entry(&page, value.get_name());
         }
-        if option.get_action().takes_values() {
-            // No line ends between an option and its value.
-            text.extend([roman("\u{a0}"), italic(option.get_value_names().unwrap().concat())]);
-        }
-        text.push(roman("]"));
-        page.text(text);
+        options.extend(long);
+    }
+    let words = page.split(|c: char| c != '-' && !c.is_ascii_alphanumeric());
+    let named = words.filter(|word| word.starts_with("--")).map(String::from);
+    assert_eq!(named.collect::<BTreeSet<_>>(), options);
+}
+
+#[test]
+fn the_manual_page_says_which_values_are_allowed() {
+    fn ends<T: Display>((range, _): Numbers<T>) -> String {
+        format!("from {} to {}", range.start(), range.end())
+    }
+    let page = manual_page();
+    let angles = format!("at most {:e} either way", ANGLES.0.end());
+    for (option, range) in [
+        ("--fps", ends(RATES)),
+        ("--frames", COUNTS.1.into()),
+        ("--spin", angles.clone()),
+        ("-A", angles.clone()),
+        ("-B", angles),
+        ("--width", ends(SIZES)),
+        ("--height", ends(SIZES)),
+        ("--aspect", ends(ASPECTS)),
+        ("--r1", ends(LENGTHS)),
+        ("--r2", ends(LENGTHS)),
+        ("--k2", ends(LENGTHS)),
+    ] {
+        assert_contains(entry(&page, option).1, &range);
+    }
+    let colors: Vec<_> = entry(&page, "--color").1.split([' ', ',', '.', '\n']).collect();
+    for name in color_names() {
+        assert!(colors.contains(&name), "no {name} in {colors:?}");
+    }
+    // What the program says where it refuses values that do not fit together.
+    for options in [&["--r2=0.5"][..], &["--k2=1"], &["--method=classic", "--r2=3"]] {
+        let options = Options::parse_from([&["donut"], options].concat());
+        let conflict = options.conflict().unwrap();
+        assert_contains(&page, conflict.split(", but").next().unwrap());
     }
 }
 
-/// A line with two columns, which are two blanks apart, is an entry of a list. Examples are no lists.
-fn section(page: &mut Roff, heading: &str, lines: &str) {
-    page.control("SH", [heading.to_uppercase().as_str()]);
-    for line in lines.lines().map(str::trim) {
-        let columns = line.split_once("  ").filter(|_| heading != "Examples");
-        if let Some((term, meaning)) = columns {
-            page.control("TP", ["16"]);
-            page.text([bold(term)]);
-            page.text([roman(meaning.trim())]);
-        } else if line.is_empty() {
-            page.control("PP", []);
-        } else {
-            page.text([roman(line)]);
-            page.control("br", []);
+#[test]
+fn the_manual_page_has_the_keys_exit_codes_and_examples_and_the_version() {
+    let page = manual_page();
+    let (keys, examples) = AFTER_HELP.split_once("\n\nExamples:\n").unwrap();
+    for line in keys.lines().skip(1) {
+        let (names, _) = line.trim().split_once("  ").unwrap();
+        for name in names.split(", ") {
+            entry(&page, name);
         }
     }
+    for code in ["0", "1", "2", "101"] {
+        entry(&page, code);
+    }
+    assert_contains(&page, "Shells report this as 130, 143, 129 and 131.");
+    for line in examples.lines() {
+        let command = line.split("  #").next().unwrap().trim();
+        assert_contains(&page, &format!("\n{command}\n"));
+    }
+    let version = concat!("\"donut ", env!("CARGO_PKG_VERSION"), "\"");
+    assert_contains(page.lines().next().unwrap(), version);
 }
 
-fn manual_page() -> String {
-    let mut page = Vec::new();
-    // A date that is empty would be left out, and what follows would take its place.
-    let man = Man::new(Options::command()).title("DONUT").date(" ").manual("User Commands");
-    let (mut usage, mut sections) = (Roff::new(), Roff::new());
-    synopsis(&mut usage);
-    description(&mut usage);
-    for (heading, lines) in help_sections() {
-        if heading == "Examples" {
-            section(&mut sections, "Exit status", EXIT_STATUS);
-        }
-        section(&mut sections, heading, lines);
-    }
-    man.render_title(&mut page).unwrap();
-    man.render_name_section(&mut page).unwrap();
-    usage.to_writer(&mut page).unwrap();
-    man.render_options_section(&mut page).unwrap();
-    sections.to_writer(&mut page).unwrap();
-    let page = String::from_utf8(page).unwrap().replace('\u{a0}', "\\ ").replace("\n\n", "\n.sp\n");
-    // Each part defines the apostrophe. The first definition is enough.
-    let (apostrophe, _) = page.split_at(page.find(".TH").unwrap());
-    apostrophe.to_owned() + &page.replace(apostrophe, "")
-}
+/// The shells that have completions, and the names of the files.
+const SHELLS: [(Shell, &str); 3] =
+    [(Shell::Bash, "donut.bash"), (Shell::Zsh, "_donut"), (Shell::Fish, "donut.fish")];
 
 fn completion(shell: Shell) -> String {
     // The options take other colours too, but only names can be completed.
@@ -127,50 +144,24 @@ fn completion(shell: Shell) -> String {
     }
 }
 
-/// File names and contents.
-fn dist() -> [(&'static str, String); 4] {
-    [
-        ("donut.1", manual_page()),
-        ("donut.bash", completion(Shell::Bash)),
-        ("_donut", completion(Shell::Zsh)),
-        ("donut.fish", completion(Shell::Fish)),
-    ]
-}
-
 #[test]
-fn the_manual_page_and_the_completions_say_what_the_options_are() {
-    for (name, contents) in dist() {
-        let path = format!("{}/tests/dist/{name}", env!("CARGO_MANIFEST_DIR"));
+fn the_completions_are_those_of_the_options() {
+    for (shell, name) in SHELLS {
+        let path = format!("{DIST}/{name}");
         if env::var_os("UPDATE").is_some() {
-            std::fs::write(&path, &contents).unwrap();
+            std::fs::write(&path, completion(shell)).unwrap();
         }
         let stored = std::fs::read_to_string(&path).unwrap();
         assert!(
-            stored == contents,
-            "tests/dist/{name} is stale: run UPDATE=1 cargo test, and commit"
+            stored == completion(shell),
+            "tests/dist/{name} is stale: run UPDATE=1 cargo test, and commit it"
         );
     }
 }
 
 #[test]
-fn the_manual_page_has_the_values_keys_colours_exit_codes_and_examples() {
-    let page = manual_page();
-    for text in [
-        "[\\fB\\-\\-width\\fR\\ \\fICOLS\\fR]",
-        "[\\fB\\-h\\fR|\\fB\\-\\-help\\fR]",
-        ".SH KEYS\n.TP 16\n\\fBq, Esc, Ctrl\\-C\\fR\nquit\n",
-        "black, dark_grey,",
-        ".SH \"EXIT STATUS\"\n.TP 16\n\\fB0\\fR\n",
-        ".SH EXAMPLES\ndonut",
-    ] {
-        assert!(page.contains(text), "no {text} in {page}");
-    }
-    assert!(!page.contains("EXTRA"));
-}
-
-#[test]
 fn completions_offer_the_names_of_the_colours_and_no_files() {
-    for shell in [Shell::Bash, Shell::Zsh, Shell::Fish] {
+    for (shell, _) in SHELLS {
         let script = completion(shell);
         assert!(color_names().iter().all(|name| script.contains(name)), "{shell}: {script}");
         for files in ["compgen -f", "-o default", "-o bashdefault", "_default", "_files", "-r\n"] {

@@ -5,7 +5,7 @@
 //! - `classic.rs`: what `classic` is built of, and where its picture differs from the truth.
 //! - `clock.rs`: the angles A and B, frame after frame, and which method `auto` then chooses.
 //! - `terminal.rs`: what a panic leaves on the terminal.
-//! - `dist.rs`: writes the manual page and the completions of tests/dist, and finds them up to date.
+//! - `dist.rs`: whether the manual page and the completions of tests/dist say what the program does.
 //! - `chart/`: measures speed and accuracy, and draws the charts of tests/chart: `plot.rs` is how they
 //!   are drawn, `rivals.rs` the other methods that they compare with ours.
 //!
