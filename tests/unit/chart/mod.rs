@@ -304,53 +304,6 @@ fn the_charts_show_the_table() {
     }
 }
 
-/// The labels of a chart and the corners of their boxes: left, top, right, bottom.
-fn labels(svg: &str) -> Vec<(&str, [f64; 4])> {
-    let label = |element| {
-        let (tag, rest): (&str, &str) = str::split_once(element, ">\n").unwrap();
-        let text = rest.split('\n').next().unwrap();
-        let value = |name: &str| tag.split(name).nth(1).unwrap().split('"').next().unwrap();
-        let number = |name| value(name).parse::<f64>().unwrap();
-        let (x, y, size) = (number(" x=\""), number(" y=\""), number("font-size=\""));
-        assert!(size >= 12.0, "{text:?} is {size} px high");
-        // No letter of the usual fonts is wider on average.
-        let width = 0.55 * size * text.replace("&apos;", "'").chars().count() as f64;
-        let left = match value("text-anchor=\"") {
-            "start" => 0.0,
-            "middle" => -width / 2.0,
-            _ => -width,
-        };
-        let top = if value("dy=\"") == "0.76em" { 0.0 } else { -size / 2.0 };
-        let (right, bottom) = (left + width, top + size);
-        let corners = if tag.contains("rotate(270") {
-            [x + top, y - right, x + bottom, y - left]
-        } else {
-            [x + left, y + top, x + right, y + bottom]
-        };
-        (text, corners)
-    };
-    svg.split("<text").skip(1).map(label).collect()
-}
-
-#[test]
-fn no_label_of_a_chart_touches_another() {
-    for name in ["speed-and-accuracy.svg", "clock.svg"] {
-        let svg = read(name);
-        let labels = labels(&svg);
-        assert!(labels.len() > 10, "{name} has {} labels", labels.len());
-        for (n, (text, a)) in labels.iter().enumerate() {
-            assert!(
-                a[0] >= 0.0 && a[2] <= f64::from(plot::WIDTH),
-                "{name}: {text:?} is cut off, {a:?}"
-            );
-            for (other, b) in &labels[..n] {
-                let apart = a[2] < b[0] || b[2] < a[0] || a[3] < b[1] || b[3] < a[1];
-                assert!(apart, "{name}: {text:?} touches {other:?}");
-            }
-        }
-    }
-}
-
 #[test]
 fn the_table_counts_the_wrong_cells_of_classic_and_exact() {
     let table = read(TABLE);

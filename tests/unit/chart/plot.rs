@@ -15,7 +15,7 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Plane<'a> = DrawingArea<SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-pub const WIDTH: u32 = 520;
+const WIDTH: u32 = 520;
 
 const GROUND: RGBColor = RGBColor(255, 255, 255);
 const FAINT: RGBColor = RGBColor(226, 164, 120);
