@@ -1,5 +1,5 @@
-//! What each way to draw the donut costs, and how wrong it is: the tables of tests/chart, and the
-//! charts that are drawn from them.
+//! What each way to draw the donut costs, and how wrong it is: the tables and the charts of tests/chart,
+//! and the table in the README.
 //!
 //! `cargo test --release chart -- --ignored --nocapture` measures, and writes all of them.
 
@@ -9,12 +9,9 @@ mod rivals;
 use std::fmt::Write as _;
 use std::fs;
 
-use self::rivals::{donut_c, first_root_f32, first_root_f64, sphere_trace, trace_with};
+use self::rivals::*;
 use super::classic::with_steps;
 use super::*;
-
-/// How many of donut.c's own poses are drawn.
-const POSES: usize = 50;
 
 /// Draws the donut turned by A and B into a blank framebuffer.
 type Draw = Box<dyn FnMut(f64, f64, &mut [u8])>;
@@ -49,64 +46,24 @@ impl Wrong {
     fn sum(&self) -> usize {
         self.one_shade + self.more_shades + self.extra + self.holes
     }
-}
 
-/// A line of the table.
-struct Row {
-    name: String,
-    /// How often donut.c's view is enlarged.
-    times: usize,
-    /// Microseconds a frame: median, 10th and 90th percentile.
-    micros: [f64; 3],
-    wrong: Wrong,
-    /// Cells at whose centre the oracle sees the donut.
-    surface: usize,
-}
-
-impl Row {
-    const TITLES: &str = "method,size,us per frame (median),us (10th percentile),\
-        us (90th percentile),wrong cells,cells of the donut,% wrong,\
-        one shade off,more shades off,extra outline,holes\n";
-
-    /// Wrong cells, in per cent of the donut's.
-    fn wrong_share(&self) -> f64 {
-        100.0 * self.wrong.sum() as f64 / self.surface as f64
+    /// Wrong cells, in per cent of those at whose centre the oracle sees the donut.
+    fn share(&self, surface: usize) -> f64 {
+        100.0 * self.sum() as f64 / surface as f64
     }
 
     /// The last columns of the table.
-    fn accuracy(&self) -> String {
-        let Wrong { one_shade, more_shades, extra, holes } = self.wrong;
-        let (sum, surface, share) = (self.wrong.sum(), self.surface, self.wrong_share());
+    fn columns(&self, surface: usize) -> String {
+        let &Wrong { one_shade, more_shades, extra, holes } = self;
+        let (sum, share) = (self.sum(), self.share(surface));
         format!("{sum},{surface},{share:.4},{one_shade},{more_shades},{extra},{holes}")
     }
-
-    fn line(&self) -> String {
-        let [median, low, high] = self.micros;
-        let (name, size, accuracy) = (&self.name, size(self.times), self.accuracy());
-        format!("{name},{size},{median:.1},{low:.1},{high:.1},{accuracy}\n")
-    }
-
-    fn parse(line: &str) -> Row {
-        let columns: Vec<_> = line.split(',').collect();
-        let count = |n: usize| columns[n].parse().unwrap();
-        let [one_shade, more_shades, extra, holes] = [8, 9, 10, 11].map(count);
-        Row {
-            name: columns[0].into(),
-            times: SIZES.into_iter().find(|&times| size(times) == columns[1]).unwrap(),
-            micros: [2, 3, 4].map(|n| columns[n].parse().unwrap()),
-            wrong: Wrong { one_shade, more_shades, extra, holes },
-            surface: count(6),
-        }
-    }
 }
 
-/// How often donut.c's view is enlarged.
-const SIZES: [usize; 5] = [1, 2, 4, 8, 16];
-
-fn size(times: usize) -> String {
-    let View { width, height, .. } = enlarged(times);
-    format!("{width}x{height}")
-}
+/// In how many of donut.c's own poses cells are compared.
+const POSES: usize = 50;
+const TITLES: &str = "method,size,us per frame (median),us (10th percentile),us (90th percentile),\
+    wrong cells,cells of the donut,% wrong,one shade off,more shades off,extra outline,holes\n";
 
 fn way(name: impl Into<String>, draw: impl FnMut(f64, f64, &mut [u8]) + 'static) -> Way {
     let (name, draw) = (name.into(), Box::new(draw));
@@ -120,13 +77,27 @@ fn program(name: impl Into<String>, mut renderer: Renderer) -> Way {
     })
 }
 
-fn closed_form(name: &str, view: View, first_root: impl Fn([f64; 3]) -> f64 + 'static) -> Way {
+fn sphere_tracing(view: View, most_steps: usize) -> Way {
+    way(format!("sphere tracing {most_steps}"), move |a, b, cells| {
+        trace_with((a, b), &view, cells, |torus, rays| sphere_trace(torus.r2, rays, most_steps));
+    })
+}
+
+/// Finds the first hit of one ray after another, from its d0, f0 and fu.
+fn ray_by_ray(
+    name: &str,
+    view: View,
+    first_hit: impl Fn(&Torus, f64, f64, f64) -> f64 + 'static,
+) -> Way {
     way(name, move |a, b, cells| {
         trace_with((a, b), &view, cells, |torus, [rays]: &[Rays; 1]| {
-            let root = |i| first_root(torus.quartic(rays.d0[i], rays.f0[i], rays.fu[i]));
-            [std::array::from_fn(root)]
+            [std::array::from_fn(|i| first_hit(torus, rays.d0[i], rays.f0[i], rays.fu[i]))]
         });
     })
+}
+
+fn closed_form(name: &str, view: View, first_root: impl Fn([f64; 3]) -> f64 + 'static) -> Way {
+    ray_by_ray(name, view, move |torus, d0, f0, fu| first_root(torus.quartic(d0, f0, fu)))
 }
 
 /// The program's own.
@@ -151,11 +122,7 @@ fn other_ways(times: usize) -> Vec<Way> {
         closed_form("closed form f32", view, |g| first_root_f32(g, 1)),
         closed_form("closed form f64", view, |g| first_root_f64(g, 0)),
     ];
-    ways.extend([8, 16, 32, 64, 256].map(|most_steps| {
-        way(format!("sphere tracing {most_steps}"), move |a, b, cells| {
-            trace_with((a, b), &view, cells, |_, rays| sphere_trace(rays, most_steps));
-        })
-    }));
+    ways.extend([8, 16, 32, 64, 256].map(|most_steps| sphere_tracing(view, most_steps)));
     let mut zbuffer = vec![0.0; view.width * view.height];
     ways.push(way("donut.c as written", move |a, b, cells| {
         donut_c(a as f32, b as f32, &view, &mut zbuffer, cells);
@@ -163,11 +130,11 @@ fn other_ways(times: usize) -> Vec<Way> {
     ways
 }
 
-/// The wrong cells of each way, and the cells of the donut, over all poses.
-fn wrong_cells(ways: &mut [Way], view: &View) -> (Vec<Wrong>, usize) {
+/// The wrong cells of each way, and the cells of the donut, over these poses.
+fn wrong_cells(ways: &mut [Way], view: &View, poses: &[(f64, f64)]) -> (Vec<Wrong>, usize) {
     let (mut wrong, mut surface) = (vec![Wrong::default(); ways.len()], 0);
-    for (a, b) in own_poses(POSES) {
-        let oracle = Oracle::new(1.0, 2.0, 5.0, a, b);
+    for &(a, b) in poses {
+        let oracle = oracle_of(view, a, b);
         let rays = (1..view.height).flat_map(|row| (1..view.width).map(move |x| (row, x)));
         let truth = rays.map(|(row, column)| {
             let (dx, dy) = direction(view, column as f64 + 0.5, row as f64 + 0.5);
@@ -190,18 +157,24 @@ fn wrong_cells(ways: &mut [Way], view: &View) -> (Vec<Wrong>, usize) {
     (wrong, surface)
 }
 
-/// Microseconds a frame of each way, as in its row: rounds of all poses, one way after another, until it is time.
+/// Microseconds a frame of each way, as in its line: rounds of all ways, until it is time.
+///
+/// Each round has five runs of 40 frames that follow one another, as in the program. Unrelated frames
+/// take a few per cent longer.
 fn micros(ways: &mut [Way], view: &View, seconds: u64) -> Vec<[f64; 3]> {
     let mut cells = vec![b' '; view.width * view.height];
     let mut samples = vec![Vec::new(); ways.len()];
     let start = Instant::now();
     loop {
         for (way, samples) in ways.iter_mut().zip(&mut samples) {
-            for (a, b) in own_poses(POSES) {
-                let start = Instant::now();
-                cells.fill(b' ');
-                (way.draw)(a, b, &mut cells);
-                samples.push(start.elapsed().as_secs_f64() * 1e6);
+            for (a, b) in own_poses(5) {
+                for frame in 0..40 {
+                    let frame = f64::from(frame);
+                    let start = Instant::now();
+                    cells.fill(b' ');
+                    (way.draw)(a + 0.04 * frame, b + 0.02 * frame, &mut cells);
+                    samples.push(start.elapsed().as_secs_f64() * 1e6);
+                }
             }
         }
         let elapsed = start.elapsed().as_secs();
@@ -219,14 +192,70 @@ fn micros(ways: &mut [Way], view: &View, seconds: u64) -> Vec<[f64; 3]> {
     samples.into_iter().map(percentiles).collect()
 }
 
-fn measure(mut ways: Vec<Way>, times: usize, seconds: u64) -> Vec<Row> {
-    let view = enlarged(times);
-    let micros = micros(&mut ways, &view, seconds);
-    let (wrong, surface) = wrong_cells(&mut ways, &view);
-    let rows = ways.into_iter().zip(micros).zip(wrong);
-    let rows =
-        rows.map(|((way, micros), wrong)| Row { name: way.name, times, micros, wrong, surface });
-    rows.collect()
+/// The lines of the table for these ways.
+fn measure(mut ways: Vec<Way>, view: &View, seconds: u64) -> String {
+    let micros = micros(&mut ways, view, seconds);
+    let (wrong, surface) = wrong_cells(&mut ways, view, &own_poses(POSES));
+    let mut lines = String::new();
+    for ((way, [median, low, high]), wrong) in ways.iter().zip(micros).zip(wrong) {
+        let (size, accuracy) = (format!("{}x{}", view.width, view.height), wrong.columns(surface));
+        writeln!(lines, "{},{size},{median:.1},{low:.1},{high:.1},{accuracy}", way.name).unwrap();
+    }
+    lines
+}
+
+/// The README's table of where methods fail. Classic has donut.c's steps there.
+fn failures() -> String {
+    let scene = |r2, k2| View::new(160, 44, 2.0, r2, k2);
+    let poses = own_poses(10);
+    let edge_on: Vec<_> = poses.iter().map(|&(_, b)| (TAU / 4.0 + 1e-4, b)).collect();
+    let rows = [
+        ("donut.c's donut", scene(2.0, 5.0), &poses),
+        ("larger: 320x88", fitted(320, 88), &poses),
+        ("edge-on, within 0.0001 rad", scene(2.0, 5.0), &edge_on),
+        ("a thin ring: R2 = 9, K2 = 25", scene(9.0, 25.0), &poses),
+        ("the viewer close up: K2 = 3.003", scene(2.0, 3.003), &poses),
+        ("far away: K2 = 50", scene(2.0, 50.0), &poses),
+        ("further away: K2 = 50,000", scene(2.0, 50_000.0), &poses),
+    ];
+    let mut table = String::from(
+        "| wrong cells, in % of the donut's | classic | sphere tracing | Newton | Ferrari f32 \
+         | Ferrari f64 | closed form | exact |\n|---|--:|--:|--:|--:|--:|--:|--:|\n",
+    );
+    for (name, view, poses) in rows {
+        let k2 = view.k2;
+        let mut ways = [
+            program("classic", with_steps(view, 0.07, 0.02)),
+            sphere_tracing(view, 64),
+            ray_by_ray("Newton", view, newton_once),
+            ray_by_ray("f32", view, move |torus, d0, _, fu| textbook_f32(torus, k2, d0, fu)),
+            ray_by_ray("f64", view, move |torus, d0, _, fu| textbook_f64(torus, k2, d0, fu)),
+            closed_form("closed form", view, |g| first_root_f64(g, 0)),
+            program("exact", renderer(view, Method::Exact)),
+        ];
+        let (wrong, surface) = wrong_cells(&mut ways, &view, poses);
+        write!(table, "| {name} |").unwrap();
+        for wrong in wrong {
+            let share = wrong.share(surface);
+            let decimals = match share {
+                10.0.. | 0.0 => 0,
+                1.0.. => 1,
+                _ => -share.log10().floor() as usize,
+            };
+            write!(table, " {share:.decimals$} |").unwrap();
+        }
+        table.push('\n');
+    }
+    table
+}
+
+/// The README with that table up to date.
+fn readme() -> String {
+    let readme = read("README.md");
+    let section = readme.find("## Where methods fail").unwrap();
+    let start = section + readme[section..].find("\n|").unwrap() + 1;
+    let end = start + readme[start..].find("\n\n").unwrap() + 1;
+    [&readme[..start], &failures(), &readme[end..]].concat()
 }
 
 /// donut.c's running angle A against `0.04 n`: the largest error up to frame n, in radians, at frames
@@ -248,43 +277,51 @@ fn clock_errors() -> Vec<(u32, f64)> {
     frames.into_iter().map(&mut error_at).collect()
 }
 
-const TABLE: &str = "speed-and-accuracy.csv";
+const TABLE: &str = "tests/chart/speed-and-accuracy.csv";
 
 fn path(name: &str) -> String {
-    format!("{}/tests/chart/{name}", env!("CARGO_MANIFEST_DIR"))
+    format!("{}/{name}", env!("CARGO_MANIFEST_DIR"))
 }
 
 fn read(name: &str) -> String {
     fs::read_to_string(path(name)).unwrap()
 }
 
-/// The charts and the table of the clock, as file names and contents: all that follows from the
-/// measured table and from donut.c's arithmetic.
-fn drawn() -> [(&'static str, String); 3] {
+/// The files that follow from the measured table, or from no measurement of time: names and contents.
+fn drawn() -> [(&'static str, String); 4] {
     let table = read(TABLE);
-    let rows: Vec<_> = table.lines().skip(1).map(Row::parse).collect();
+    let column = |line: &str, n| line.split(',').nth(n).unwrap().parse::<f64>().unwrap();
+    let dots = table.lines().filter_map(|line| {
+        let (method, _) = line.split_once(",80x22,")?;
+        Some((method, (column(line, 2), column(line, 7))))
+    });
     let errors = clock_errors();
     let mut clock = String::from("frame,largest error of A up to it in radians\n");
     for (frame, error) in &errors {
         writeln!(clock, "{frame},{error:.6}").unwrap();
     }
     [
-        ("speed-and-accuracy.svg", plot::speed_and_accuracy(&rows).unwrap()),
-        ("clock.csv", clock),
-        ("clock.svg", plot::clock(&errors).unwrap()),
+        (
+            "tests/chart/speed-and-accuracy.svg",
+            plot::speed_and_accuracy(&dots.collect::<Vec<_>>()).unwrap(),
+        ),
+        ("tests/chart/clock.csv", clock),
+        ("tests/chart/clock.svg", plot::clock(&errors).unwrap()),
+        ("README.md", readme()),
     ]
 }
 
 #[test]
 #[ignore = "measures for two minutes"]
 fn the_charts_are_measured() {
-    let mut table = String::from(Row::TITLES);
-    for (times, seconds) in SIZES.into_iter().zip([15, 20, 30, 5, 10]) {
+    let mut table = String::from(TITLES);
+    // How often donut.c's view is enlarged, and for how long its frames are timed.
+    for (times, seconds) in [(1, 15), (2, 20), (4, 30), (8, 5), (16, 10)] {
         let mut ways = own_ways(times);
         if times <= 4 {
             ways.extend(other_ways(times));
         }
-        table.extend(measure(ways, times, seconds).iter().map(Row::line));
+        table.push_str(&measure(ways, &enlarged(times), seconds));
     }
     println!("{TABLE}\n{table}");
     fs::write(path(TABLE), table).unwrap();
@@ -294,21 +331,22 @@ fn the_charts_are_measured() {
 }
 
 #[test]
-fn the_charts_show_the_table() {
+fn the_charts_and_the_readme_show_what_was_measured() {
     for (name, contents) in drawn() {
         if env::var_os("UPDATE").is_some() {
             fs::write(path(name), &contents).unwrap();
         }
         let stale = read(name) != contents;
-        assert!(!stale, "tests/chart/{name} is stale: run UPDATE=1 cargo test, and commit");
+        assert!(!stale, "{name} is stale: run UPDATE=1 cargo test, and commit");
     }
 }
 
 #[test]
 fn the_table_counts_the_wrong_cells_of_classic_and_exact() {
-    let table = read(TABLE);
-    for row in measure(own_ways(1), 1, 0) {
-        let (start, end) = (format!("{},80x22,", row.name), row.accuracy());
+    let (table, mut ways) = (read(TABLE), own_ways(1));
+    let (wrong, surface) = wrong_cells(&mut ways, &View::DONUT_C, &own_poses(POSES));
+    for (way, wrong) in ways.iter().zip(wrong) {
+        let (start, end) = (format!("{},80x22,", way.name), wrong.columns(surface));
         assert!(
             table.lines().any(|line| line.starts_with(&start) && line.ends_with(&end)),
             "no line {start}...,{end} in\n{table}"
@@ -320,9 +358,8 @@ fn the_table_counts_the_wrong_cells_of_classic_and_exact() {
 /// edges of the picture, and where the back shows through the holes between the samples.
 #[test]
 fn donut_c_as_written_draws_what_classic_draws() {
-    let edges = (0..=32).flat_map(|a| (0..=32).map(move |b| (a, b)));
-    let edges = edges.map(|(a, b)| (f64::from(a) * TAU / 32.0, f64::from(b) * TAU / 32.0));
-    let poses: Vec<_> = own_poses(12).into_iter().chain(edges).collect();
+    let eighths = (0..64).map(|n| (f64::from(n % 8) * TAU / 8.0, f64::from(n / 8) * TAU / 8.0));
+    let poses: Vec<_> = own_poses(12).into_iter().chain(eighths).collect();
     // At these sizes classic takes donut.c's own steps.
     for (width, height) in [(80, 22), (40, 12), (33, 17), (60, 19), (61, 9), (3, 2)] {
         let view = fitted(width, height);

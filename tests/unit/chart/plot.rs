@@ -9,8 +9,6 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::HPos::{self, Center, Left, Right};
 use plotters::style::text_anchor::{Pos, VPos};
 
-use super::Row;
-
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Plane<'a> = DrawingArea<SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
@@ -148,16 +146,14 @@ impl<'a> Panel<'a> {
 
 // ---- Time against wrong cells --------------------------------------------------------------------
 
-/// Time against wrong cells at donut.c's own size.
-pub fn speed_and_accuracy(rows: &[Row]) -> Result<String> {
-    let named = |start: &str| -> Vec<&Row> {
-        rows.iter().filter(|row| row.times == 1 && row.name.starts_with(start)).collect()
+/// The time of a frame in microseconds, and the wrong cells in per cent: a dot for each named method.
+pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
+    let named = |start: &str| -> Vec<_> {
+        dots.iter().filter(|dot| dot.0.starts_with(start)).map(|dot| dot.1).collect()
     };
-    let point = |row: &Row| (row.micros[0], row.wrong_share());
-    let [exact, classic, written] =
-        ["exact", "classic x1", "donut.c"].map(|name| point(named(name)[0]));
-    let faster = classic.0 / exact.0;
-    let title = format!("Exact: no wrong cell, and {faster:.1} times as fast as classic");
+    let [exact, classic, written] = ["exact", "classic x1", "donut.c"].map(|name| named(name)[0]);
+    let faster = written.0 / exact.0;
+    let title = format!("Exact: no wrong cell, and {faster:.0} times as fast as donut.c");
     let up = "wrong cells, in % of the donut's (cube-root scale)";
     let right = "time of a frame in µs, at 80x22 (logarithmic scale)";
     let times = [10.0, 30.0, 100.0, 300.0, 1000.0];
@@ -177,13 +173,13 @@ pub fn speed_and_accuracy(rows: &[Row]) -> Result<String> {
         let panel = Panel::new(area, [&title, up, right], &x, &y)?;
         // Coarser and finer steps of classic.
         let mut steps = named("classic ");
-        steps.sort_by(|a, b| a.micros[0].total_cmp(&b.micros[0]));
-        panel
-            .line(&steps.iter().map(|row| point(row)).collect::<Vec<_>>(), FAINT.stroke_width(2))?;
-        for row in steps.iter().filter(|row| row.name != "classic x1") {
-            let name = row.name.trim_start_matches("classic ");
-            panel.dot(point(row), 3, &FAINT)?;
-            panel.label(point(row), (0, -13), Center, name, &GREY)?;
+        steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+        panel.line(&steps, FAINT.stroke_width(2))?;
+        for &(name, at) in dots {
+            if let Some(name) = name.strip_prefix("classic ").filter(|&name| name != "x1") {
+                panel.dot(at, 3, &FAINT)?;
+                panel.label(at, (0, -13), Center, name, &GREY)?;
+            }
         }
         for (at, radius, below, name, color) in [
             (classic, 6, 18, "classic", ORANGE),
@@ -191,18 +187,19 @@ pub fn speed_and_accuracy(rows: &[Row]) -> Result<String> {
             (exact, 8, -19, "exact", GREEN),
         ] {
             panel.dot(at, radius, &color)?;
-            let name = format!("{name}, {:.0} µs", at.0);
+            let decimals = usize::from(at.0 < 100.0);
+            let name = format!("{name}, {:.decimals$} µs", at.0);
             panel.label(at, (0, below), Center, &name, &color)?;
         }
 
-        let tracing: Vec<_> = named("sphere tracing ").into_iter().map(point).collect();
+        let tracing = named("sphere tracing ");
         panel.line(&tracing, BLUE.stroke_width(2))?;
         for &at in &tracing {
             panel.dot(at, 3, &BLUE)?;
         }
         panel.label(tracing[0], (9, -2), Left, "sphere tracing, 8 steps", &BLUE)?;
         panel.label(tracing[4], (9, -4), Left, "256 steps", &BLUE)?;
-        let closed: Vec<_> = named("closed form ").into_iter().map(point).collect();
+        let closed = named("closed form ");
         panel.line(&closed, PURPLE.stroke_width(2))?;
         for &at in &closed {
             panel.dot(at, 3, &PURPLE)?;
@@ -221,14 +218,15 @@ pub fn speed_and_accuracy(rows: &[Row]) -> Result<String> {
 /// The largest error of donut.c's running angle so far, after so many frames.
 pub fn clock(errors: &[(u32, f64)]) -> Result<String> {
     const MINUTE: f64 = 60.0 * 30.0;
-    const DAY: f64 = 24.0 * 60.0 * MINUTE;
+    const HOUR: f64 = 60.0 * MINUTE;
+    const DAY: f64 = 24.0 * HOUR;
     let x = Axis {
         scale: f64::log10,
         range: [0.6 * MINUTE, 30.0 * DAY],
         marks: [
             ("1 minute", MINUTE),
-            ("1 hour", 60.0 * MINUTE),
-            ("1 day", DAY),
+            ("1 hour", HOUR),
+            ("31 hours", 31.0 * HOUR),
             ("9 days", 9.0 * DAY),
         ]
         .map(|(name, frames)| (frames, name.to_string()))
@@ -253,7 +251,7 @@ pub fn clock(errors: &[(u32, f64)]) -> Result<String> {
         panel.line(&points, ORANGE.stroke_width(2))?;
         let at = |event: f64| *points.iter().find(|&&(frame, _)| frame == event).unwrap();
         for (event, name) in
-            [(3_345_245.0, "A turns 17% too fast"), (22_918_663.0, "A stands still")]
+            [(3_345_245.0, "from here, A turns 17% too fast"), (22_918_663.0, "A stands still")]
         {
             panel.dot(at(event), 5, &INK)?;
             panel.label(at(event), (-10, -4), Right, name, &INK)?;

@@ -1,4 +1,5 @@
-//! Other ways to draw the donut, for the charts to measure: each as fast as we can plainly write it.
+//! Other ways to draw the donut, to compare with ours. Those that are timed are as fast as we can plainly
+//! write them.
 //!
 //! Those that cast rays differ from `exact` in how they find the first hit, and in nothing else: the
 //! rays and the shading are its own, in f64.
@@ -44,13 +45,13 @@ const BLOCKS: usize = RAYS / LANES;
 /// Rays that have not arrived after `most_steps` miss. They arrive within `1 / most_steps^2` of the
 /// surface: with less more of them miss, with more they stop at outlines that they should pass, and
 /// either way more cells are wrong.
-pub fn sphere_trace(rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes; BLOCKS] {
+pub fn sphere_trace(r2: f64, rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes; BLOCKS] {
     let tolerance = (most_steps as f32).powi(-2);
     let lanes = |quantity: fn(&Rays) -> &Lanes| -> [f32; RAYS] {
         std::array::from_fn(|i| quantity(&rays[i / LANES])[i % LANES] as f32)
     };
     let (q0, z0, uz) = (lanes(|r| &r.d0), lanes(|r| &r.f0), lanes(|r| &r.fu));
-    let r2 = View::DONUT_C.r2 as f32;
+    let r2 = r2 as f32;
     let h = q0.map(|q0| ((1.0 + r2) * (1.0 + r2) - q0).max(0.0).sqrt());
     let mut s = h.map(|h| -h);
     let mut distance = [f32::INFINITY; RAYS];
@@ -123,6 +124,67 @@ macro_rules! closed_form {
 
 closed_form!(first_root_f32, f32);
 closed_form!(first_root_f64, f64);
+
+/// Newton's method with one start: where the ray enters the sphere of radius R1 + R2.
+///
+/// The ray hits where the steps end. It misses if that is outside the sphere, or if 64 are not enough.
+pub fn newton_once(torus: &Torus, d0: f64, f0: f64, fu: f64) -> f64 {
+    let radius = 1.0 + torus.r2;
+    let half = (radius * radius - d0).max(0.0).sqrt();
+    let (quartic, mut s) = (torus.quartic(d0, f0, fu), -half);
+    for _ in 0..64 {
+        let (_, step) = newton(quartic, s);
+        s -= step;
+        if step.abs() <= LAST_STEP {
+            return if s.abs() <= half { s } else { MISS };
+        }
+    }
+    MISS
+}
+
+/// The textbook's way, in either precision: the quartic of the distance t from the viewer, solved by
+/// Ferrari's method. It has the formulas of `closed_form`, but not its care.
+///
+/// With the viewer's height f, the distance t0 of P0, and `k = K2^2 + R2^2 - 1`, the surface is where
+/// `(t^2 - 2 t0 t + k)^2 = 4 R2^2 (t^2 - 2 t0 t + K2^2 - (f + fu t)^2)`.
+macro_rules! textbook {
+    ($name:ident, $float:ident) => {
+        pub fn $name(torus: &Torus, k2: f64, d0: f64, fu: f64) -> f64 {
+            let (t0, f, rr) = ((k2 * k2 - d0).sqrt(), -k2 * torus.axis[2], torus.r2 * torus.r2);
+            let [t0, f, fu, k2, rr] = [t0, f, fu, k2, 4.0 * rr].map(|value| value as $float);
+            // t^4 + a t^3 + b t^2 + c t + d
+            let k = k2 * k2 + rr / 4.0 - 1.0;
+            let a = -4.0 * t0;
+            let b = 4.0 * t0 * t0 + 2.0 * k - rr * (1.0 - fu * fu);
+            let c = -4.0 * t0 * k + 2.0 * rr * (t0 + f * fu);
+            let d = k * k - rr * (k2 * k2 - f * f);
+            // x^4 + p x^2 + q x + r, where x = t + a / 4
+            let aa = a * a;
+            let p = b - 3.0 * aa / 8.0;
+            let q = c - a * b / 2.0 + a * aa / 8.0;
+            let r = d - a * c / 4.0 + aa * b / 16.0 - 3.0 * aa * aa / 256.0;
+            // y solves the resolvent.
+            let m = (p * p + 12.0 * r) / 9.0;
+            let n = p * p * p / 27.0 - 4.0 / 3.0 * p * r + q * q / 2.0;
+            let discriminant = n * n - m * m * m;
+            let v = if discriminant < 0.0 {
+                2.0 * m.sqrt() * ((n / (m * m.sqrt())).acos() / 3.0).cos()
+            } else {
+                (n + discriminant.sqrt()).cbrt() + (n - discriminant.sqrt()).cbrt()
+            };
+            let y = v - 2.0 / 3.0 * p;
+            let alpha = y.sqrt();
+            // A root that is not real is NaN, which is not above 0.
+            let [near, far] = [q / alpha, -q / alpha].map(|apart| (2.0 * (apart - p) - y).sqrt());
+            let roots = [-alpha - near, near - alpha, alpha - far, far + alpha];
+            let ts = roots.into_iter().map(|root| root / 2.0 - a / 4.0).filter(|&t| t > 0.0);
+            (ts.fold($float::INFINITY, $float::min) - t0).into()
+        }
+    };
+}
+
+textbook!(textbook_f32, f32);
+textbook!(textbook_f64, f64);
 
 /// donut.c's frame expression by expression, with sines and cosines taken for each sample.
 ///
