@@ -60,9 +60,10 @@ fn put(svg: &mut String, column: f64, row: f64, class: &str, glyphs: &str) {
     .unwrap();
 }
 
-/// donut.c's frames below one another, drawn upwards past a window of one frame.
+/// The donut's frames below one another, drawn upwards past a window of one frame.
 ///
-/// In 157 frames, half of donut.c's turn, B goes once round and A twice: then it begins again.
+/// Each turns it twice as far as one of donut.c's. In 157 of them, B goes once round and A twice: then it
+/// begins again.
 fn moving_picture() -> String {
     const FRAMES: usize = 157;
     /// An empty row, 21 rows that are drawn on, and another empty one.
@@ -95,7 +96,7 @@ fn moving_picture() -> String {
     svg + "</g>\n</svg>\n"
 }
 
-/// One pose in both methods, side by side. What classic draws otherwise than exact has another colour.
+/// One pose in both methods, side by side. The cells of classic that differ have another colour.
 fn two_methods() -> String {
     /// The cells in which this donut is seen.
     const COLUMNS: Range<usize> = 5..36;
@@ -146,87 +147,89 @@ fn the_picture_of_the_two_methods_shows_the_programs_own_frames() {
 
 // ---- The figures of the README -------------------------------------------------------------------
 
-/// The measured table: what its column of this title has for a method at a size.
-struct Table {
-    text: String,
+/// What the measured table has for a method at a size, in the column of this title.
+fn measured(method: &str, size: &str, title: &str) -> f64 {
+    let table = read("tests/chart/speed-and-accuracy.csv");
+    let column = table.lines().next().unwrap().split(',').position(|name| name == title);
+    let line = table.lines().find(|line| line.starts_with(&format!("{method},{size},")));
+    line.unwrap().split(',').nth(column.unwrap()).unwrap().parse().unwrap()
 }
 
-impl Table {
-    fn figure(&self, method: &str, size: &str, title: &str) -> f64 {
-        let column = self.text.lines().next().unwrap().split(',').position(|name| name == title);
-        let line = self.text.lines().find(|line| line.starts_with(&format!("{method},{size},")));
-        line.unwrap().split(',').nth(column.unwrap()).unwrap().parse().unwrap()
-    }
-
-    fn micros(&self, method: &str) -> f64 {
-        self.figure(method, "80x22", "us per frame (median)")
-    }
-
-    /// Cells of a kind at 80x22, in per cent of the donut's.
-    fn share(&self, method: &str, kind: &str) -> f64 {
-        let cells = self.figure(method, "80x22", "cells of the donut");
-        100.0 * self.figure(method, "80x22", kind) / cells
-    }
+fn micros(method: &str, size: &str) -> f64 {
+    measured(method, size, "us per frame (median)")
 }
 
-/// What the README says of the table.
-fn sentences(table: &Table) -> [String; 3] {
-    let classic = |kind| table.share("classic x1", kind);
-    [
-        format!(
-            "at 80x22, {:.1}% of the donut's cells are wrong: {:.1}% are one shade off, {:.1}% are \
-             further off, and {:.1}% are extra cells around the outline.",
-            classic("wrong cells"),
-            classic("one shade off"),
-            classic("more shades off"),
-            classic("extra outline")
-        ),
-        format!(
-            "just as right, but {:.1} times as slow",
-            table.micros("closed form f32") / table.micros("exact")
-        ),
-        format!(
-            "at 1280x352 a frame takes {:.0} ms in classic and {:.0} ms in exact",
-            table.figure("classic x1", "1280x352", "us per frame (median)") / 1000.0,
-            table.figure("exact", "1280x352", "us per frame (median)") / 1000.0
-        ),
-    ]
+/// Cells of a kind in classic at 80x22, in per cent of the donut's.
+fn classic_share(kind: &str) -> f64 {
+    let count = |title| measured("classic x1", "80x22", title);
+    100.0 * count(kind) / count("cells of the donut")
+}
+
+/// The error of donut.c's angle A up to each frame in the clock's table.
+fn clock_errors() -> Vec<(f64, f64)> {
+    let row = |line: &str| {
+        let (frame, error) = line.split_once(',').unwrap();
+        (frame.parse().unwrap(), error.parse().unwrap())
+    };
+    read("tests/chart/clock.csv").lines().skip(1).map(row).collect()
 }
 
 #[test]
-fn the_readme_has_the_figures_of_the_table() {
-    let table = Table { text: read("tests/chart/speed-and-accuracy.csv") };
+fn the_figures_of_the_readme_are_those_of_the_tables() {
+    let ratio = |slow, fast| micros(slow, "80x22") / micros(fast, "80x22");
+    let [one_shade, more_shades, holes, extra] =
+        ["one shade off", "more shades off", "holes", "extra outline"].map(classic_share);
+    let errors = clock_errors();
+    let hours = |frame: f64| frame / 30.0 / 3600.0;
+    let whole_turn = errors.iter().find(|row| row.1 > std::f64::consts::TAU).unwrap().0;
+    // From the first of these frames on, A turns faster. At the second it has stopped.
+    let [faster, stopped] = [3_345_245.0, 22_918_663.0];
+    let late = errors.iter().filter(|row| row.0 > 1.2 * faster).take(2).collect::<Vec<_>>();
+    let too_fast = 100.0 * (late[1].1 - late[0].1) / (late[1].0 - late[0].0) / 0.04;
+
     let readme = read("README.md").split_whitespace().collect::<Vec<_>>().join(" ");
-    let missing = sentences(&table).into_iter().filter(|sentence| !readme.contains(sentence));
-    let missing: Vec<_> = missing.collect();
-    assert!(missing.is_empty(), "the README should say:\n{}", missing.join("\n"));
-}
-
-#[test]
-fn what_the_readme_says_of_the_methods_is_true_in_the_table() {
-    let table = Table { text: read("tests/chart/speed-and-accuracy.csv") };
-    let wrong = |method| table.share(method, "wrong cells");
-    for size in ["80x22", "160x44", "320x88"] {
-        let micros = |method| table.figure(method, size, "us per frame (median)");
-        let wrong = |method| table.figure(method, size, "wrong cells");
-        // Exact and the closed form have no wrong cell, and exact is faster.
-        assert_eq!(wrong("exact") + wrong("closed form f32") + wrong("closed form f64"), 0.0);
-        assert!(micros("exact") < micros("closed form f32"), "{size}");
-        // The more steps sphere tracing takes, the fewer cells are wrong, but some always are.
-        let steps = [8, 16, 32, 64, 256].map(|n| format!("sphere tracing {n}"));
-        assert!(steps.windows(2).all(|two| wrong(&two[0]) > wrong(&two[1])), "{size}");
-        assert!(wrong(&steps[4]) > 0.0 && micros(&steps[4]) > micros("exact"), "{size}");
+    let mut stale = Vec::new();
+    for (sentence, value) in [
+        ("at 80x22, #% of the donut's cells are wrong", one_shade + more_shades + holes),
+        ("are wrong: #% by one shade", one_shade),
+        ("one shade, and #% by more", more_shades),
+        ("wrong as well: #% as many", extra),
+        ("and is # times as fast as a literal", ratio("donut.c as written", "exact")),
+        ("picture, is # times as fast", ratio("donut.c as written", "classic x1")),
+        ("a frame takes # ms in classic", micros("classic x1", "1280x352") / 1000.0),
+        ("classic and # ms in exact", micros("exact", "1280x352") / 1000.0),
+        ("closed form, which takes # times as long", ratio("closed form f64", "exact")),
+        ("After # hours at 30", hours(faster)),
+        ("it turns #% too fast", too_fast),
+        ("after # days it stands still. Classic", hours(stopped) / 24.0),
+        ("after those # hours", hours(faster)),
+        ("a whole turn in # hours", hours(whole_turn)),
+        ("From # hours on A", hours(faster)),
+        ("A turns #% too fast", too_fast),
+        ("after # days it stands still.]", hours(stopped) / 24.0),
+    ] {
+        let (before, after) = sentence.split_once('#').unwrap();
+        let figures = readme.split(before).skip(1).filter_map(|rest| rest.split_once(after));
+        let figure = figures.map(|(figure, _)| figure).find(|figure| figure.parse::<f64>().is_ok());
+        let figure = figure.unwrap_or_else(|| panic!("no \"{sentence}\" in the README"));
+        let decimals = figure.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        let current = format!("{value:.decimals$}");
+        if figure != current {
+            stale.push(format!("{sentence}: {current}, not {figure}"));
+        }
     }
-    assert_eq!(table.share("classic x1", "holes"), 0.0);
-    let finer = ["classic x1", "classic x1/2", "classic x1/4"].map(wrong);
-    assert!(finer.is_sorted(), "finer steps help: {finer:?}");
+    assert!(stale.is_empty(), "in the README, # should be\n{}", stale.join("\n"));
 }
 
 #[test]
-fn donut_cs_clock_is_a_whole_turn_off_in_two_hours() {
-    let clock = read("tests/chart/clock.csv");
-    let errors = clock.lines().skip(1).map(|line| line.split_once(',').unwrap());
-    let mut turns = errors.filter(|error| error.1.parse::<f64>().unwrap() > std::f64::consts::TAU);
-    let frame: f64 = turns.next().unwrap().0.parse().unwrap();
-    assert_eq!((frame / 30.0 / 3600.0).round(), 2.0);
+fn what_the_readme_says_about_the_methods_is_true_in_the_table() {
+    for size in ["80x22", "160x44", "320x88"] {
+        let wrong = |method: &str| measured(method, size, "wrong cells");
+        assert_eq!(wrong("exact") + wrong("closed form f32") + wrong("closed form f64"), 0.0);
+        let steps = [8, 16, 32, 64, 256].map(|n| wrong(&format!("sphere tracing {n}")));
+        assert!(steps.is_sorted_by(|fewer, more| fewer > more), "{size}: {steps:?}");
+    }
+    let finer = ["classic x1", "classic x1/2", "classic x1/4"];
+    let finer = finer.map(|method| measured(method, "80x22", "wrong cells"));
+    assert!(finer.is_sorted(), "finer steps help: {finer:?}");
 }
