@@ -102,17 +102,16 @@ use {
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`.
-#[command(args_override_self = true)]
-#[command(mut_args(set_heading))]
+#[command(args_override_self = true, mut_args(set_heading))]
 struct Options {
     /// Frames per second; 0 means no limit
     ///
-    /// From 0 to 1000. Each frame turns by --spin, so 60 also spins twice as fast.
+    /// From 0 to 1000. Each frame turns by --spin, so 60 spins twice as fast.
     #[arg(long, value_name = "N", default_value = "30", value_parser = within(RATES))]
     fps: f64,
     /// Stop after N frames; the last one stays on the screen
     ///
-    /// On a terminal, this clears the screen first.
+    /// On a terminal, this clears the screen and draws from its top.
     #[arg(long, value_name = "N", value_parser = within(COUNTS))]
     frames: Option<u64>,
     /// Rotation per frame, in radians
@@ -128,35 +127,36 @@ struct Options {
     b: f64,
     /// How to draw
     ///
-    /// Classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5. After 31 hours at
-    /// 30 fps, its angles get too coarse: auto goes on with exact, which draws the
-    /// outline a little thinner.
+    /// Classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5. After 31
+    /// hours at 30 fps its angles get too coarse. Then auto goes on with
+    /// exact, whose outline is thinner.
     #[arg(long, value_enum, default_value_t, hide_default_value = true, verbatim_doc_comment)]
     method: Method,
     /// Colour: a name, 0 to 255, or '#rrggbb'
     ///
-    /// The names are black, dark_grey, grey, white, red, green, yellow, blue,
-    /// magenta, cyan, dark_red, dark_green, dark_yellow, dark_blue,
-    /// dark_magenta and dark_cyan. The # may be left out.
+    /// The # may be left out. The names are black, dark_grey, grey, white,
+    /// red, green, yellow, blue, magenta, cyan, dark_red, dark_green,
+    /// dark_yellow, dark_blue, dark_magenta and dark_cyan.
     #[arg(long, alias = "colour", value_parser = parse_color, verbatim_doc_comment)]
     color: Option<Color>,
     /// Columns [default: all, or 80 in a pipe]
     ///
-    /// From 1 to 4096; more than the terminal has are clipped. Column 0 stays empty,
-    /// as in donut.c.
+    /// From 1 to 4096, clipped to the terminal. Column 0 stays empty.
     #[arg(long, value_name = "COLS", value_parser = within(SIZES))]
     width: Option<u16>,
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
-    /// From 1 to 4096; more than the terminal has, minus 2, are clipped.
+    /// From 1 to 4096, clipped to the terminal's rows minus 2.
     #[arg(long, value_name = "ROWS", value_parser = within(SIZES))]
     height: Option<u16>,
-    /// Height of a character cell over its width, 0.1 to 10
+    /// Height of a character cell over its width
+    ///
+    /// From 0.1 to 10.
     #[arg(long, value_name = "RATIO", default_value = "2", value_parser = within(ASPECTS))]
     aspect: f64,
     /// Radius of the tube
     ///
-    /// In any unit: lengths are from 0.000001 to 1000000.
+    /// From 0.000001 to 1000000, as are --r2 and --k2. Only their ratios matter.
     #[arg(long, value_name = "R", default_value = "1", value_parser = within(LENGTHS))]
     r1: f64,
     /// Radius of the ring, 1.001 to 30 times --r1

@@ -97,7 +97,7 @@ fn the_manual_page_says_which_values_are_allowed() {
     for options in [&["--r2=0.5"][..], &["--k2=1"], &["--method=classic", "--r2=3"]] {
         let options = Options::parse_from([&["donut"], options].concat());
         let conflict = options.conflict().unwrap();
-        assert_contains(&page, conflict.split(", but").next().unwrap());
+        assert_contains(&page, &conflict);
     }
 }
 

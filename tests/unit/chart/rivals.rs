@@ -131,9 +131,10 @@ closed_form!(first_root_f64, f64);
 pub fn newton_once(torus: &Torus, d0: f64, f0: f64, fu: f64) -> f64 {
     let radius = 1.0 + torus.r2;
     let half = (radius * radius - d0).max(0.0).sqrt();
-    let (quartic, mut s) = (torus.quartic(d0, f0, fu), -half);
+    let ([p, q, r], mut s) = (torus.quartic(d0, f0, fu), -half);
     for _ in 0..64 {
-        let (_, step) = newton(quartic, s);
+        let slope = (4.0 * s * s + 2.0 * p) * s + q;
+        let step = (((s * s + p) * s + q) * s + r) / slope;
         s -= step;
         if step.abs() <= LAST_STEP {
             return if s.abs() <= half { s } else { MISS };
