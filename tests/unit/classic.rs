@@ -38,7 +38,7 @@ fn wrong_share(finer: f64) -> f64 {
         renderer.render_frame(a, b);
         tally.add(&oracle_of(&renderer.view, a, b), &renderer.view, &renderer.framebuffer);
     }
-    tally.wrong() as f64 / tally.surface as f64
+    tally.wrong() as f64 / tally.drawn as f64
 }
 
 #[test]

@@ -58,8 +58,8 @@ fn own_poses(count: usize) -> Vec<(f64, f64)> {
     (0..count).map(|n| (2.44 * n as f64, 1.22 * n as f64)).collect()
 }
 
-/// A renderer, also for an enlarged view: that reaches further below the picture than the program's own
-/// views.
+/// A renderer for any view. An enlarged one reaches further below the picture than the program's own, so
+/// its z-buffer needs more rows.
 fn renderer(view: View, method: Method) -> Renderer {
     let mut renderer = Renderer::new(view, method, RAMP);
     renderer.zbuffer.resize(view.width * (view.height + 2 + view.height / 10), 0.0);
@@ -72,11 +72,11 @@ fn draw(method: Method, view: View, a: f64, b: f64) -> Vec<u8> {
     renderer.framebuffer
 }
 
-/// How cells stand to the oracle.
+/// How many cells there are, how many of them show the donut, and how many are ties or wrong.
 #[derive(Debug, Default)]
 struct Tally {
     cells: usize,
-    surface: usize,
+    drawn: usize,
     ties: usize,
     holes: usize,
     extra: usize,
@@ -91,7 +91,7 @@ impl Tally {
                 let (dx, dy) = direction(view, column as f64 + 0.5, row as f64 + 0.5);
                 let drawn = level(framebuffer[row * view.width + column]);
                 self.count(oracle.judge(dx, dy, drawn));
-                self.surface += usize::from(drawn.is_some());
+                self.drawn += usize::from(drawn.is_some());
             }
         }
     }
@@ -111,11 +111,11 @@ impl Tally {
         self.holes + self.extra + self.shades
     }
 
-    /// Right everywhere, with surface to be right about, and next to no ties.
+    /// No cell is wrong, some show the donut, and next to none are ties.
     #[track_caller]
     fn assert_right(&self) {
         println!("{self:?}");
-        assert!(self.surface > 0 && self.wrong() == 0, "{self:?}");
+        assert!(self.drawn > 0 && self.wrong() == 0, "{self:?}");
         assert!(self.ties * 10_000 <= self.cells, "{self:?}");
     }
 }

@@ -1,9 +1,10 @@
 //! What a ray sees, found in another way: this shares no code and no method with the program.
 //!
-//! The ray is turned into the torus's own frame, where the signed distance to the surface is a
-//! formula. That distance changes by no more than the way gone, so an interval whose midpoint is
-//! further from the surface than its ends holds no surface. What is left is halved, nearest part
-//! first, down to the last bits. There is no polynomial, no derivative and no step to converge.
+//! The ray is turned into the torus's own frame, where the distance to the surface is a formula. There
+//! are two reasons why an interval of the ray must be empty. Along the ray, the distance changes by no
+//! more than the way gone, so it may be too large at the middle. And it bends by no more than the torus
+//! does, so it may be too large at both ends. All other intervals are halved, the nearer half first, down
+//! to the last bits. There is no polynomial, no derivative and nothing that has to converge.
 
 /// A torus turned and seen from `k2` away, in any unit of length.
 pub struct Oracle {
@@ -14,9 +15,9 @@ pub struct Oracle {
     pub frame: [[f64; 3]; 3],
 }
 
-/// From so far below a whole number on, 8 L counts as that number: `exact` adds a hair before it truncates.
+/// If 8 L is less than this below a whole number, that number is a tie: `exact` adds a hair to L.
 const LEVEL_TIE: f64 = 1e-11;
-/// How well the radius of the tube is known, over R1 + R2: distances are rounded in f64.
+/// What a tube thinner or thicker by this would show is a tie, in units of R1 + R2: f64 cannot tell.
 const GRAZE_TIE: f64 = 1e-13;
 
 pub fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {
@@ -51,8 +52,7 @@ impl Oracle {
         Some(8.0 * dot(normal, light) / r1)
     }
 
-    /// Whether the drawn level (nothing for a blank) is right, or the truth cannot be told: that is
-    /// where a torus thinner or thicker by next to nothing would show it.
+    /// Whether the drawn level (nothing for a blank) is right, wrong or a tie.
     pub fn judge(&self, dx: f64, dy: f64, drawn: Option<usize>) -> Verdict {
         let level = |light: f64| light.max(0.0) as usize;
         let truth = self.look(dx, dy);
@@ -83,26 +83,31 @@ impl Oracle {
 
     /// The first t at which q + t u is no longer outside the torus.
     fn first_hit(&self, q: [f64; 3], u: [f64; 3], r1: f64) -> Option<f64> {
-        let distance = |t: f64| {
+        let measure = |t: f64| {
             let p = [0, 1, 2].map(|i| q[i] + t * u[i]);
-            let across = (p[0] * p[0] + p[1] * p[1]).sqrt() - self.r2;
-            (across * across + p[2] * p[2]).sqrt() - r1
+            let from_axis = (p[0] * p[0] + p[1] * p[1]).sqrt();
+            let from_ring = ((from_axis - self.r2).powi(2) + p[2] * p[2]).sqrt();
+            (from_ring - r1, from_ring.min(from_axis))
         };
         let (nearest, reach) = (-dot(q, u), 1.001 * (r1 + self.r2));
-        search(&distance, nearest, reach, 1e-14 * reach)
+        search(&measure, nearest, reach, 1e-14 * reach)
     }
 }
 
-/// The first zero of `distance` within `half` of `middle`, to within `end`.
-fn search(distance: &impl Fn(f64) -> f64, middle: f64, half: f64, end: f64) -> Option<f64> {
-    if distance(middle) > half {
+/// The first zero of the distance within `half` of `middle`, to within `end`. `measure` gives the distance
+/// and the least radius in which it can bend. Both change by no more than the way gone.
+fn search(measure: &impl Fn(f64) -> (f64, f64), middle: f64, half: f64, end: f64) -> Option<f64> {
+    let (distance, radius) = measure(middle);
+    let at_ends = || measure(middle - half).0.min(measure(middle + half).0);
+    let sag = half * half / (2.0 * (radius - half));
+    if distance > half || radius > half && at_ends() > sag {
         None
     } else if half <= end {
         Some(middle)
     } else {
         let half = half / 2.0;
-        search(distance, middle - half, half, end)
-            .or_else(|| search(distance, middle + half, half, end))
+        search(measure, middle - half, half, end)
+            .or_else(|| search(measure, middle + half, half, end))
     }
 }
 
