@@ -217,16 +217,6 @@ fn rays_that_touch_the_bounding_sphere_miss_or_have_a_finite_luminance() {
 }
 
 #[test]
-fn a_viewer_who_nearly_touches_the_donut_sees_no_wrong_cell() {
-    for r2 in [CLOSED, 1.1, 2.0, 7.0, OPEN] {
-        let view = View::new(40, 24, 2.0, r2, (1.0 + r2) * NEAREST);
-        let poses = [0.0, 3.2e-8, 1e-7, -1e-4].map(|hair| (FRAC_PI_2 + hair, 3.04980045));
-        let tally = compare(view, &poses);
-        assert!(tally.drawn > 0 && tally.wrong() == 0, "R2 {r2}: {tally:?}");
-    }
-}
-
-#[test]
 fn pictures_of_one_row_or_one_column_are_blank() {
     for (width, height) in [(1, 1), (1, 2), (2, 1), (1, 4096), (4096, 1)] {
         for method in [Method::Exact, Method::Classic] {
@@ -319,15 +309,15 @@ fn rays_that_touch_the_tube_twice_are_right() {
         // At this angle A the viewer is in the plane.
         let mut hair = || 10_f64.powf(random.between(-16.0, -9.0));
         let (a, lean) = ((1.0 / k2).acos() - hair(), hair() - hair());
-        let (b, dx) =
-            (random.between(0.0, 7.0), apparent_radius(r2, k2) * random.between(-1.0, 1.0));
+        let dx = apparent_radius(r2, k2) * random.between(-1.0, 1.0);
+        let b = random.between(0.0, 7.0);
         judge(&mut tally, (r2, k2), turned([a, b, dx, a.tan().recip() + lean]));
     }
     println!("{tally:?}");
     assert!(tally.wrong() == 0 && tally.ties < tally.cells / 10, "{tally:?}");
 }
 
-/// A ray that meets the donut at B = 0, turned with it to another B.
+/// The same ray at another B: it turns with the donut.
 fn turned([a, b, dx, dy]: [f64; 4]) -> [f64; 4] {
     [a, b, dx * b.cos() - dy * b.sin(), dx * b.sin() + dy * b.cos()]
 }
@@ -481,7 +471,7 @@ fn angle() -> impl Strategy<Value = f64> {
 
 proptest! {
     // A case that fails is printed, not kept in the tree.
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(1000) })]
 
     #[test]
     fn anywhere_in_the_domain_of_the_options_the_picture_is_right(

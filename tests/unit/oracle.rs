@@ -1,10 +1,10 @@
 //! What a ray sees, found in another way: this shares no code and no method with the program.
 //!
-//! The ray is turned into the torus's own frame, where the distance to the surface is a formula. There
-//! are two reasons why an interval of the ray must be empty. Along the ray, the distance changes by no
-//! more than the way gone, so it may be too large at the middle. And it bends by no more than the torus
-//! does, so it may be too large at both ends. All other intervals are halved, the nearer half first, down
-//! to the last bits. There is no polynomial, no derivative and nothing that has to converge.
+//! The ray is turned into the torus's own frame, where the distance to the surface is a formula. Along
+//! the ray, this distance changes by no more than the way gone, and it bends by no more than the torus
+//! does. So an interval is empty if the distance is large enough at its middle, or at both ends. All other
+//! intervals are halved, the nearer half first, down to the last bits. There is no polynomial, no
+//! derivative and nothing that has to converge.
 
 /// A torus turned and seen from `k2` away, in any unit of length.
 pub struct Oracle {
