@@ -807,3 +807,13 @@ fn a_colour_is_one_sequence_a_frame_even_with_no_color() {
         assert_eq!(last.matches("\x1b[").count(), 4, "{last:?}");
     }
 }
+
+#[test]
+fn a_q_typed_ahead_ends_it_before_the_first_frame() {
+    let mut pty = Pty::shell("bash", (80, 24));
+    pty.type_bytes(format!("sleep 0.5; {DONUT}; echo $((6 * 7))\nq").as_bytes());
+    pty.wait_for("the shell", |pty| pty.lines().contains(&"42".to_string()));
+    let written = pty.written();
+    assert!(written.find("\x1b[?1049h") < written.find("\x1b[?1049l"));
+    assert_eq!(written.matches("\x1b[?1049h").count(), 1);
+}

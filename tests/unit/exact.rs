@@ -20,17 +20,17 @@ impl Random {
 }
 
 /// R2 of the donuts with the smallest and the largest hole that the options allow.
-const CLOSED: f64 = *RING.start();
-const OPEN: f64 = *RING.end();
+const CLOSED: f64 = *RING_RATIOS.start();
+const OPEN: f64 = *RING_RATIOS.end();
 /// R2 and K2 of donut.c's donut, and of others as different from it as the options allow.
 const SCENES: [(f64, f64); 7] = [
     (2.0, 5.0),
-    (2.0, 3.0 * NEAREST),
+    (2.0, 3.0 * LEAST_DISTANCE),
     (2.0, 1e6),
     (CLOSED, 5.0),
     (1.1, 50.0),
     (OPEN, 50.0),
-    (OPEN, (1.0 + OPEN) * NEAREST),
+    (OPEN, (1.0 + OPEN) * LEAST_DISTANCE),
 ];
 
 /// What `exact` sees along (dx, dy, 1): 8 L, or nothing.
@@ -339,10 +339,13 @@ fn rays_whose_search_comes_to_minus_w_are_right() {
             let torus = Torus::new(r2, angle(t), b);
             let rays = torus.rays([dx; LANES], dy, k2);
             let (d0, f0, fu) = (rays.d0[0], rays.f0[0], rays.fu[0]);
-            let quartic = torus.quartic(d0, f0, fu);
-            let (s, w) = (torus.entry(d0, f0, fu), inflection(quartic[0]));
+            let [p, q, r] = torus.quartic(d0, f0, fu);
+            let (s, w) = (torus.entry(d0, f0, fu), (p * (-1.0 / 6.0)).max(0.0).sqrt());
+            // To the last bit as in `first_hits`.
+            let ss_p = s * s + p;
+            let step = ((ss_p * s + q) * s + r) / (2.0 * (ss_p + s * s) * s + q);
             let steps = n / 4 % 2 == 1 && s < -w;
-            s - if steps { newton(quartic, s).1 } else { 0.0 } + w
+            s - if steps { step } else { 0.0 } + w
         };
         let is_left = |t: f64| position(t) < 0.0;
         if is_left(0.0) != is_left(1.0) {
@@ -455,7 +458,7 @@ fn no_pose_is_cut_off_and_the_donut_is_as_large_as_it_can_be() {
 #[test]
 fn the_edge_is_right_however_near_the_viewer_is() {
     // The difference of two squares would lose digits.
-    for k2 in [3.0 * NEAREST, 3.01, 3.1, 3.7, 5.0] {
+    for k2 in [3.0 * LEAST_DISTANCE, 3.01, 3.1, 3.7, 5.0] {
         let gap = k2 - 3.0;
         let expected = 3.0 / (gap * (6.0 + gap)).sqrt();
         assert!((apparent_radius(2.0, k2) / expected - 1.0).abs() < 1e-15, "{k2}");
