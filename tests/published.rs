@@ -35,7 +35,7 @@ fn assert_current(name: &str, svg: &str) {
 /// The size of a cell, in pixels.
 const CELL: (f64, f64) = (9.6, 19.2);
 
-/// The start of a picture of so many columns and rows of cells, on a dark ground.
+/// The start of a picture with this number of columns and rows of cells, on a dark ground.
 fn head(title: &str, columns: f64, rows: f64, style: &str) -> String {
     let (width, height) = (columns * CELL.0, rows * CELL.1);
     format!(

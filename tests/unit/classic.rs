@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Cells that show something for one frame only, going back to what they were, each frame.
+/// How many cells of a frame change for that frame only, and then back, on average.
 fn flicker(method: Method) -> f64 {
     let mut renderer = Renderer::new(View::DONUT_C, method, RAMP);
     let pictures: Vec<_> = (0..600)
@@ -17,7 +17,7 @@ fn flicker(method: Method) -> f64 {
 }
 
 #[test]
-fn exact_hardly_flickers_where_classic_shimmers() {
+fn exact_barely_flickers_where_classic_shimmers() {
     let (classic, exact) = (flicker(Method::Classic), flicker(Method::Exact));
     println!("classic {classic}, exact {exact}");
     assert!((16.0..20.0).contains(&classic) && exact <= 1.0, "classic {classic}, exact {exact}");

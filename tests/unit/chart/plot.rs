@@ -215,7 +215,7 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
 
 // ---- donut.c's clock -----------------------------------------------------------------------------
 
-/// The largest error of donut.c's running angle so far, after so many frames.
+/// The largest error of donut.c's running angle so far, over the number of frames.
 pub fn clock(errors: &[(u32, f64)]) -> Result<String> {
     const MINUTE: f64 = 60.0 * 30.0;
     const HOUR: f64 = 60.0 * MINUTE;

@@ -36,7 +36,7 @@ pub fn trace_with<const N: usize>(
     }
 }
 
-/// Sphere tracing goes faster with so many rays side by side.
+/// How many rays side by side make sphere tracing fastest.
 const RAYS: usize = 16;
 const BLOCKS: usize = RAYS / LANES;
 
@@ -78,7 +78,7 @@ pub fn sphere_trace(r2: f64, rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes
 }
 
 /// Ferrari's closed form for the first root of `G(s) = s^4 + p s^2 + q s + r`, in either precision,
-/// with so many Newton steps after it.
+/// with `newton_steps` of Newton's method after it.
 ///
 /// G is `(s^2 + alpha s + beta) (s^2 - alpha s + gamma)` if `y = alpha^2` solves the resolvent
 /// `y^3 + 2 p y^2 + (p^2 - 4 r) y - q^2 = 0`. The largest y pairs the two smallest roots, so that
