@@ -37,7 +37,8 @@
 //! ```
 //!
 //! The donut is turned by the angle A about the x axis, and then by B about the z axis. Each frame adds
-//! 0.04 to A and 0.02 to B. This moves the point to (X, Y, Z), and turns the normal in the same way:
+//! 0.04 to A and 0.02 to B. This moves the point to (X, Y, Z), by way of t, which is y after the first
+//! turn, and it turns the normal in the same way:
 //! ```text
 //! t = h sin phi cos A - f sin A      X = h cos phi cos B - t sin B
 //! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
@@ -98,7 +99,7 @@ use {
 ///
 /// On a terminal the donut fills the window and spins until you press q. In a
 /// pipe or a file it writes what donut.c writes, escape codes included, at 80x22
-/// unless you set a size. Ctrl-C ends it there, or --frames.
+/// unless you set a size. There, end it with Ctrl-C or --frames.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`.
@@ -111,12 +112,12 @@ struct Options {
     fps: f64,
     /// Stop after N frames; the last one stays on the screen
     ///
-    /// On a terminal, this clears the screen and draws from its top.
+    /// On a terminal, this clears the screen, and draws from its top.
     #[arg(long, value_name = "N", value_parser = within(COUNTS))]
     frames: Option<u64>,
     /// Rotation per frame, in radians
     ///
-    /// This and the angles below are from -1e9 to 1e9.
+    /// Angles are from -1e9 to 1e9. x points right, and z away from you.
     #[arg(long, value_name = "DA,DB", default_value = "0.04,0.02", value_parser = parse_angles)]
     spin: [f64; 2],
     /// Starting angle about the x axis, in radians
@@ -182,7 +183,7 @@ Examples:
 
 #[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
 enum Method {
-    /// The default: classic for donut.c's own picture, else exact
+    /// Default: classic at donut.c's size and shape, else exact
     #[default]
     Auto,
     /// donut.c's way: plots many points, and the nearest wins
@@ -191,7 +192,7 @@ enum Method {
     Exact,
 }
 
-/// Sets the heading of an option in the help, and what all options share.
+/// Sets the heading of an option in the help, and what all options have in common.
 fn set_heading(option: Arg) -> Arg {
     let heading = match option.get_id().as_str() {
         "fps" | "frames" | "spin" | "a" | "b" => "Motion",
@@ -243,13 +244,13 @@ fn parse_color(text: &str) -> Result<Color, String> {
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
-/// The range of R2 / R1. Below it, no screen shows the hole. At its end, the tube is less than three
+/// The range of R2 / R1. Below 1.001, no screen shows the hole. At 30, the tube is less than three
 /// columns thick on a screen of 80.
 const RING_RATIOS: RangeInclusive<f64> = 1.001..=30.0;
-/// The least K2 / (R1 + R2). From there, the field of view is 175 degrees.
+/// The least K2 / (R1 + R2). There the donut fills 175 degrees of the view.
 const LEAST_DISTANCE: f64 = 1.001;
 
-/// The quotient of two lengths. Six decimals are taken for exact, so that 0.35 / 0.07 is 5 and no less.
+/// The quotient of two lengths, without the error of division: 0.35 / 0.07 is 5, and no less.
 fn ratio(length: f64, unit: f64) -> f64 {
     let (ratio, rounded) = (length / unit, (1e6 * length / unit).round() / 1e6);
     if (ratio - rounded).abs() < 1e-15 * ratio { rounded } else { ratio }
@@ -258,13 +259,13 @@ fn ratio(length: f64, unit: f64) -> f64 {
 impl Options {
     /// The rule that some of the options break together.
     fn conflict(&self) -> Option<String> {
-        let (ring, distance) = (ratio(self.r2, self.r1), ratio(self.k2, self.r1));
+        let (r2, k2) = (ratio(self.r2, self.r1), ratio(self.k2, self.r1));
         let (least, most) = (RING_RATIOS.start(), RING_RATIOS.end());
-        if !RING_RATIOS.contains(&ring) {
+        if !RING_RATIOS.contains(&r2) {
             Some(format!("--r2 must be {least} to {most} times --r1"))
         } else if ratio(self.k2, self.r1 + self.r2) < LEAST_DISTANCE {
             Some(format!("--k2 must be at least {LEAST_DISTANCE} times the sum of --r1 and --r2"))
-        } else if self.method == Method::Classic && (ring, distance) != (2.0, 5.0) {
+        } else if self.method == Method::Classic && (r2, k2) != (2.0, 5.0) {
             Some("--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5".into())
         } else {
             None
@@ -306,12 +307,11 @@ fn main() -> ExitCode {
 
 struct Animation<'a> {
     options: &'a Options,
-    output: Arc<Output>,
+    console: Arc<Console>,
     clock: Clock,
     renderer: Renderer,
     /// The terminal's columns and rows when the renderer was made; `None` in a pipe.
     size: Option<(u16, u16)>,
-    /// How many frames have been drawn.
     drawn: u64,
     /// When the next frame is due; `None` while the donut is paused.
     deadline: Option<Instant>,
@@ -319,61 +319,63 @@ struct Animation<'a> {
 
 /// Spins the donut until the last frame is drawn, somebody ends it, or its reader goes away.
 fn run(options: &Options) -> io::Result<()> {
-    let output = Output::open(options)?;
-    let size = output.size()?;
+    let console = Console::open(options)?;
+    let size = console.size()?;
     let view = options.view(size);
     let clock = Clock { origin: [options.a, options.b], frames: 0, spin: options.spin };
     let renderer = Renderer::new(view, clock.choose(options.method, &view), RAMP);
     let deadline = Some(Instant::now());
     let mut animation =
-        Animation { options, output: output.clone(), clock, renderer, size, drawn: 0, deadline };
-    let (played, restored) = (animation.play(), output.restore());
-    output.end_by_signal();
+        Animation { options, console: console.clone(), clock, renderer, size, drawn: 0, deadline };
+    let played = animation.play();
+    let restored = console.restore();
+    console.end_by_signal();
     played.and(restored)
 }
 
 impl Animation<'_> {
-    /// donut.c's `for (;;)`. Each round waits for a key or for the next frame. It then stops, or stays in
-    /// the background, if it must. Otherwise it enters the terminal, fits its size, obeys keys, and draws.
+    /// donut.c's `for (;;)`. A round waits for a key or for the next frame. Then it quits, suspends, or stays
+    /// in the background, if it must. If not, it enters the terminal, fits its size, obeys keys and draws.
     fn play(&mut self) -> io::Result<()> {
-        let output = self.output.clone();
+        let console = self.console.clone();
         // On a dumb terminal further frames would only scroll by.
-        let last = self.options.frames.unwrap_or(if output.is_dumb { 1 } else { u64::MAX });
+        let last = self.options.frames.unwrap_or(if console.is_dumb { 1 } else { u64::MAX });
         while self.drawn < last {
-            let until = |deadline: Instant| deadline.saturating_duration_since(Instant::now());
-            output.wait_for_key(self.deadline.map_or(LOOK_AGAIN, until).min(LOOK_AGAIN))?;
-            if output.ending.load(SeqCst) != 0 {
+            let wait = self.deadline.map(|due| due.saturating_duration_since(Instant::now()));
+            console.wait_for_key(wait.unwrap_or(LOOK_AGAIN).min(LOOK_AGAIN))?;
+            if console.end_signal.load(SeqCst) != 0 {
                 break;
             }
             #[cfg(unix)] // Windows has no job control.
             {
-                if output.is_stopping() || !output.is_in_foreground()? {
-                    output.restore()?;
-                    if output.is_stopping() {
+                if console.is_suspending() || !console.is_in_foreground()? {
+                    console.restore()?;
+                    thread::sleep(LOOK_AGAIN);
+                    // A shell may have continued it by now.
+                    if console.is_suspending() {
                         low_level::raise(SIGSTOP)?;
                     }
-                    thread::sleep(LOOK_AGAIN);
                     continue;
                 }
-                if output.job_control.load(SeqCst) == SIGCONT as usize {
-                    output.restore()?; // Others may have used the terminal meanwhile.
+                if console.job_control.load(SeqCst) == SIGCONT as usize {
+                    console.restore()?; // Another program may have used the terminal: enter it anew.
                 }
             }
-            let (mut out, mut redraw) = (Vec::new(), !output.is_entered.load(SeqCst));
+            let (mut out, mut redraw) = (Vec::new(), !console.is_entered.load(SeqCst));
             if redraw {
-                output.enter(&mut out)?;
+                console.enter(&mut out)?;
             }
-            let size = output.size()?;
+            let size = console.size()?;
             if size != self.size {
                 let view = self.options.view(size);
                 self.renderer = Renderer::new(view, self.renderer.method, self.renderer.ramp);
                 self.size = size;
-                out.extend_from_slice(output.escapes.clear.as_bytes());
+                out.extend_from_slice(console.escapes.clear.as_bytes());
                 redraw = true;
             }
-            for key in output.keys()? {
+            for key in console.keys()? {
                 match key {
-                    b'q' | b'\x1b' => return output.write(&out),
+                    b'q' | b'\x1b' => return console.write(&out), // `restore` undoes `enter`.
                     b'p' if self.deadline.is_some() => self.deadline = None,
                     b'p' => self.deadline = Some(Instant::now()),
                     b' ' => {
@@ -387,7 +389,7 @@ impl Animation<'_> {
             if is_due || redraw {
                 self.draw(is_due, &mut out);
             }
-            output.write(&out)?;
+            console.write(&out)?;
         }
         Ok(())
     }
@@ -400,21 +402,21 @@ impl Animation<'_> {
         self.renderer.method = self.clock.choose(self.options.method, &self.renderer.view);
         let [a, b] = self.clock.angles();
         self.renderer.render_frame(a, b);
-        self.output.escapes.encode(&self.renderer, out);
+        self.console.escapes.encode(&self.renderer, out);
         if is_due {
             self.drawn += 1;
             // 1e9 s, or 31 years, is enough; more may not fit into a Duration.
             let fps = self.options.fps;
-            let interval = if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 };
+            let seconds = if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 };
+            let interval = Duration::from_secs_f64(seconds);
             // Each deadline counts from the last, so they do not drift. A missed one becomes now.
-            let next = |deadline| deadline + Duration::from_secs_f64(interval);
-            self.deadline = self.deadline.map(|deadline| next(deadline).max(Instant::now()));
+            self.deadline = self.deadline.map(|last| (last + interval).max(Instant::now()));
         }
     }
 }
 
-/// The angles A and B, frame after frame: `origin + frames * spin`. After a frame in `exact`, the frames
-/// are counted. After one in `classic`, donut.c's own sum, rounded to `float`, becomes the new origin.
+/// The angles A and B, frame after frame: `origin + frames * spin`. `exact` counts the frames. `classic`
+/// makes donut.c's own sum, rounded to `float`, the new origin.
 struct Clock {
     origin: [f64; 2],
     frames: u64,
@@ -449,8 +451,8 @@ impl Clock {
         }
     }
 
-    /// Whether a `float` holds the angles to 0.001 rad, and donut.c's next step to a tenth of the spin.
-    /// With donut.c's own spin, that is so until frame 3,345,245, where A passes 2^17 and a step of 0.04
+    /// Whether floats are fine enough: for the angles to 0.001 rad, and for donut.c's next step to a tenth of
+    /// the spin. With its own spin, that is so until frame 3,345,245, where A passes 2^17 and a step of 0.04
     /// is rounded to 0.047. From frame 22,918,663 on, where A is 2^20, it is rounded to 0.
     fn floats_suffice(&self) -> bool {
         let (angles, next) = (self.angles(), self.next_floats());
@@ -503,7 +505,7 @@ impl View {
 /// angle between the rays to its centre and to its edge.
 fn apparent_radius(r2: f64, k2: f64) -> f64 {
     let radius = 1.0 + r2;
-    radius / ((k2 - r2 - 1.0) * (k2 + radius)).sqrt()
+    radius / ((k2 - r2 - 1.0) * (k2 + radius)).sqrt() // `k2 - radius` would lose digits.
 }
 
 // ---- Rendering -----------------------------------------------------------------------------------
@@ -515,7 +517,7 @@ const FLAT: &[u8; 12] = &[b'.'; 12];
 
 /// The glyph of a luminance L, which is from -sqrt 2 to sqrt 2.
 fn glyph(ramp: &[u8; 12], luminance: f64) -> u8 {
-    // `as u8` saturates, so a negative L becomes 0. `min` is only for safety.
+    // `as u8` saturates, so a negative L becomes 0.
     ramp[usize::from((8.0 * luminance) as u8).min(11)]
 }
 
@@ -558,30 +560,30 @@ impl Renderer {
         let ((sin_a, cos_a), (sin_b, cos_b)) = (sin_cos(a), sin_cos(b));
         let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] =
             self.circles.get_or_insert_with(|| spacings(&self.view).map(circle));
-        // Nothing may be drawn in row 0, in column 0 and below the picture: no 1/z exceeds infinity.
+        // Infinity keeps row 0, column 0 and the rows below the picture blank: no 1/z exceeds it.
         self.zbuffer.fill(f32::INFINITY);
         for row in self.zbuffer[..self.framebuffer.len()].chunks_exact_mut(width).skip(1) {
             row[1..].fill(0.0);
         }
         // Slices of the same length need no bounds checks, so the compiler vectorises all but the last of
         // the three inner loops. That is why they are not one.
-        let phis = sin_phis.len();
-        let (sin_phis, cos_phis) = (&sin_phis[..phis], &cos_phis[..phis]);
-        let (mut ooz, mut x, mut y) = (vec![0.0; phis], vec![0.0; phis], vec![0.0; phis]);
-        let mut cells = vec![0; phis];
+        let count = sin_phis.len();
+        let (sin_phis, cos_phis) = (&sin_phis[..count], &cos_phis[..count]);
+        let (mut ooz, mut x, mut y) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+        let mut cells = vec![0; count];
         for (&sin_theta, &cos_theta) in sin_thetas.iter().zip(cos_thetas.iter()) {
             let h = cos_theta + r2;
-            for i in 0..phis {
+            for i in 0..count {
                 let (sin_phi, cos_phi) = (sin_phis[i], cos_phis[i]);
                 ooz[i] = 1.0 / (sin_phi * h * sin_a + sin_theta * cos_a + k2);
                 let t = sin_phi * h * cos_a - sin_theta * sin_a;
                 x[i] = cx + k1x * ooz[i] * (cos_phi * h * cos_b - t * sin_b);
                 y[i] = cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b);
             }
-            for i in 0..phis {
+            for i in 0..count {
                 cells[i] = floor(x[i]) + width as u32 * floor(y[i]);
             }
-            for i in 0..phis {
+            for i in 0..count {
                 let (cell, sin_phi, cos_phi) = (cells[i] as usize, sin_phis[i], cos_phis[i]);
                 if self.zbuffer[cell] < ooz[i] {
                     self.zbuffer[cell] = ooz[i];
@@ -661,9 +663,9 @@ const LANES: usize = 8;
 type Lanes = [f64; LANES];
 /// The s of a ray that misses (see `Torus`).
 const MISS: f64 = f64::INFINITY;
-/// A search ends once a step is shorter than this, in units of R1. At a simple root, each step doubles the
-/// correct digits, and what is left is below rounding. Where a ray grazes the donut, it is only halved by
-/// each step. But there the ray stays within 1e-16 of the surface for 1e-8 to either side.
+/// A search ends after a step shorter than this, in units of R1. At a simple root each step doubles the
+/// correct digits, so the error is then below rounding. Where a ray grazes the donut, a step only halves
+/// the error; but there the ray is within 1e-16 of the surface for 1e-8 to either side.
 const LAST_STEP: f64 = 1e-8;
 /// Most rays take about 5 steps. One that grazes both sides of the tube at the distance delta takes about
 /// `2 log2((1 + R2) / sqrt(2 delta))`; 67 is the most found. Only a search for a triple root takes more.
@@ -693,9 +695,8 @@ const HAIR: f64 = 1e-12;
 /// G is positive outside the donut. Because s counts from P0, there is no cubic term, and the
 /// coefficients stay small however far away the viewer is.
 ///
-/// Two kinds of cell may be wrong, because f64 cannot tell what is right: one whose 8 L is less than 1e-11
-/// below a whole number, and one whose ray would end elsewhere on, or off, a tube thinner or thicker by
-/// 1e-13 (R1 + R2).
+/// f64 cannot decide two kinds of cell, so they may be wrong: where 8 L is less than 1e-11 below a whole
+/// number, and where a tube thinner or thicker by 1e-13 (R1 + R2) would change what the ray hits.
 struct Torus {
     r2: f64,
     /// The axis of revolution, of length 1, after the turns by A and B. No third angle matters: a donut
@@ -724,7 +725,7 @@ impl Torus {
         let [x, y, z] = self.axis;
         let mut rays = Rays::default();
         for (i, dx) in dx.into_iter().enumerate() {
-            // U is (dx, dy, 1) times cos, and P0 is (dx, dy, -tan2) times depth.
+            // U is (dx, dy, 1) times cos, P0 is (dx, dy, -tan2) times depth, and k2 = depth (1 + tan2).
             let tan2 = dx * dx + dy * dy;
             let cos = 1.0 / (1.0 + tan2).sqrt();
             let depth = k2 * cos * cos;
@@ -774,8 +775,7 @@ impl Torus {
             let (d0, f0, fu) = (rays.d0[i], rays.f0[i], rays.fu[i]);
             [p[i], q[i], r[i]] = self.quartic(d0, f0, fu);
             w[i] = (p[i] * (-1.0 / 6.0)).max(0.0).sqrt();
-            // From -w on, a search may as well begin at w. Between its entry and w, G is concave: if it is
-            // positive at w there is no root in between, and if not, this is case 3.
+            // Right of -w there is no a, and cases 2 and 3 find c from w: so the search may begin there.
             let entry = self.entry(d0, f0, fu);
             s[i] = if entry < -w[i] { entry } else { w[i] };
         }
@@ -788,12 +788,12 @@ impl Torus {
                 let slope = 2.0 * (ss_p + ss) * s[i] + q[i];
                 let step = ((ss_p * s[i] + q[i]) * s[i] + r[i]) / slope;
                 let next = s[i] - step;
-                let no_root = (slope >= 0.0) | ((s[i] < -w[i]) & (next >= -w[i]));
-                // In case 3, only rounding at a triple root lets G rise: no reason to miss.
+                let dead_end = (slope >= 0.0) | ((s[i] < -w[i]) & (next >= -w[i]));
+                // A dead end before w leads to w. In case 3, only rounding at a triple root makes one.
                 let is_before_w = s[i] < w[i];
                 let restart = if is_before_w { w[i] } else { MISS };
-                let next = if no_root { restart } else { next };
-                let goes_on = (no_root & is_before_w) | (!no_root & (step.abs() > LAST_STEP));
+                let next = if dead_end { restart } else { next };
+                let goes_on = (dead_end & is_before_w) | (!dead_end & (step.abs() > LAST_STEP));
                 s[i] = if goes_on & (steps == MOST_STEPS) { -w[i] } else { next };
                 searching |= goes_on;
             }
@@ -804,13 +804,13 @@ impl Torus {
         s
     }
 
-    /// The s where the ray enters the space that the donut fills: a sphere of radius R1 + R2, between the
-    /// planes f = -1 and f = 1. No hit comes before it.
+    /// The s where the ray enters the space that the donut stays in: a sphere of radius R1 + R2, between two
+    /// planes, f = -1 and f = 1. No hit comes before it.
     fn entry(&self, d0: f64, f0: f64, fu: f64) -> f64 {
         let radius = 1.0 + self.r2;
         let sphere = -(radius * radius - d0).max(0.0).sqrt();
         // If fu is 0, this is at infinity, or NaN, which `max` ignores.
-        let planes = -(1.0 + f0 * 1_f64.copysign(fu)) / fu.abs();
+        let planes = -(1.0 + f0 * fu.signum()) / fu.abs();
         sphere.max(planes)
     }
 
@@ -828,10 +828,10 @@ impl Torus {
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-/// How often the loop looks at the terminal's size, and whether it may use the terminal.
+/// How often the loop checks the terminal's size, and whether it may use the terminal.
 const LOOK_AGAIN: Duration = Duration::from_millis(100);
 
-/// What is written to enter the terminal, to clear it, around each frame and row, and to leave it.
+/// What is written to enter, clear and leave the terminal, and to begin a frame, begin a row, end a frame.
 struct Escapes {
     enter: &'static str,
     clear: &'static str,
@@ -857,8 +857,8 @@ impl Escapes {
         // The option is explicit, so it overrides NO_COLOR.
         style::force_color_output(true);
         let color = options.color.filter(|_| !is_dumb).map(SetForegroundColor);
-        let color = color.map(|color| (color.to_string(), "\x1b[0m")).unwrap_or_default();
-        let frame = [begin.to_owned() + &color.0, newline.to_owned(), end.to_owned() + color.1];
+        let (set, reset) = color.map(|color| (color.to_string(), "\x1b[0m")).unwrap_or_default();
+        let frame = [begin.to_owned() + &set, newline.to_owned(), end.to_owned() + reset];
         Escapes { enter, clear: if is_dumb { "" } else { "\x1b[2J" }, frame, leave }
     }
 
@@ -874,9 +874,9 @@ impl Escapes {
     }
 }
 
-/// Standard output, and what is to be restored if that is a terminal. The donut enters it when it is in
-/// the foreground, and restores it on Ctrl-Z, on losing the foreground, at the end, and on a panic.
-struct Output {
+/// Standard output and, if that is a terminal, its keys, signals and settings. The donut enters it in the
+/// foreground, and restores it on Ctrl-Z, on losing the foreground, at the end, and on a panic.
+struct Console {
     /// Standard output, without a buffer.
     file: File,
     is_terminal: bool,
@@ -888,8 +888,8 @@ struct Output {
     /// Set by `enter`, cleared by `restore`.
     is_entered: AtomicBool,
     /// The signal that ends the donut, or 0. Set by its handler, never cleared.
-    ending: Arc<AtomicUsize>,
-    /// SIGTSTP or SIGCONT, whichever came last, or 0. Set by their handlers, cleared by `enter`.
+    end_signal: Arc<AtomicUsize>,
+    /// SIGTSTP or SIGCONT, whichever came last, or 0. Set by their handlers; `enter` clears SIGCONT.
     #[cfg(unix)]
     job_control: Arc<AtomicUsize>,
     /// The settings of `tty` when the donut entered. Set by `enter`, cleared when they are given back.
@@ -897,13 +897,13 @@ struct Output {
     settings: Mutex<Option<Termios>>,
 }
 
-impl Output {
-    fn open(options: &Options) -> io::Result<Arc<Output>> {
+impl Console {
+    fn open(options: &Options) -> io::Result<Arc<Console>> {
         let is_terminal = io::stdout().is_terminal();
         let is_dumb = is_terminal && env::var_os("TERM").is_some_and(|term| term == "dumb");
         #[cfg(windows)]
         crossterm::ansi_support::supports_ansi(); // Asking turns on the console's escape codes.
-        let output = Arc::new(Output {
+        let console = Arc::new(Console {
             #[cfg(unix)]
             file: io::stdout().as_fd().try_clone_to_owned()?.into(),
             #[cfg(windows)]
@@ -913,36 +913,36 @@ impl Output {
             escapes: Escapes::new(is_terminal, is_dumb, options),
             tty: if is_terminal && !is_dumb { open_tty() } else { None },
             is_entered: AtomicBool::new(false),
-            ending: Arc::default(),
+            end_signal: Arc::default(),
             #[cfg(unix)]
             job_control: Arc::default(),
             #[cfg(unix)]
             settings: Mutex::default(),
         });
         if is_terminal && !is_dumb {
-            output.guard()?;
+            console.guard()?;
         }
-        Ok(output)
+        Ok(console)
     }
 
     /// Lets a panic, and the signals that end the program, restore the terminal first.
-    fn guard(self: &Arc<Output>) -> io::Result<()> {
-        let (output, previous_hook) = (self.clone(), panic::take_hook());
+    fn guard(self: &Arc<Console>) -> io::Result<()> {
+        let (console, previous_hook) = (self.clone(), panic::take_hook());
         panic::set_hook(Box::new(move |info| {
-            let _ = output.restore();
+            let _ = console.restore();
             previous_hook(info);
         }));
-        let output = self.clone();
-        ctrlc::set_handler(move || output.end_in_time()).map_err(io::Error::other)?;
+        let console = self.clone();
+        ctrlc::set_handler(move || console.end_if_stuck()).map_err(io::Error::other)?;
         #[cfg(unix)]
         {
-            // ctrlc does not tell which signal came, and leaves out SIGQUIT.
+            // ctrlc, whose handler these call, does not tell which signal came, and leaves out SIGQUIT.
             for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
-                flag::register_usize(signal, self.ending.clone(), signal as usize)?;
+                flag::register_usize(signal, self.end_signal.clone(), signal as usize)?;
             }
-            let (output, (mut quits, handler)) = (self.clone(), UnixStream::pair()?);
+            let (console, (mut quits, handler)) = (self.clone(), UnixStream::pair()?);
             low_level::pipe::register(SIGQUIT, handler)?;
-            thread::spawn(move || quits.read_exact(&mut [0]).map(|()| output.end_in_time()));
+            thread::spawn(move || quits.read_exact(&mut [0]).map(|()| console.end_if_stuck()));
             for signal in [SIGTSTP, SIGCONT] {
                 flag::register_usize(signal, self.job_control.clone(), signal as usize)?;
             }
@@ -950,15 +950,15 @@ impl Output {
         Ok(())
     }
 
-    /// After a signal, ends the program within four seconds, even if a terminal that reads nothing blocks
-    /// the loop.
-    fn end_in_time(&self) {
+    /// After a signal, the loop has two seconds to end the program. If a terminal that has stopped reading
+    /// blocks it, this ends the program, within four seconds in all.
+    fn end_if_stuck(&self) {
         #[cfg(windows)]
-        self.ending.store(1, SeqCst);
+        self.end_signal.store(1, SeqCst);
         thread::sleep(Duration::from_secs(2));
         #[cfg(unix)]
         {
-            // To drop what was not read makes room for the write, which may need more than fits at once.
+            // Dropping the unread output makes room for the blocked write, which may not fit at once.
             let start = Instant::now();
             while start.elapsed().as_secs() < 1
                 && self.is_in_foreground().unwrap_or(false)
@@ -977,7 +977,7 @@ impl Output {
 
     /// Ends the program by the signal that came, if one did, so that shells see which.
     fn end_by_signal(&self) {
-        let signal = self.ending.load(SeqCst);
+        let signal = self.end_signal.load(SeqCst);
         if signal != 0 {
             #[cfg(unix)]
             let _ = low_level::emulate_default_handler(signal as i32);
@@ -985,13 +985,13 @@ impl Output {
         }
     }
 
-    /// Takes the keys of the terminal, and puts into `out` what prepares its screen.
+    /// Puts the terminal into raw mode, and into `out` what prepares its screen.
     fn enter(&self, out: &mut Vec<u8>) -> io::Result<()> {
         self.is_entered.store(true, SeqCst);
         #[cfg(unix)]
         if let Some(tty) = &self.tty {
             let _ = self.job_control.compare_exchange(SIGCONT as usize, 0, SeqCst, SeqCst);
-            // They are still there if the donut lost the foreground before it could give them back.
+            // They are still stored if the donut lost the foreground before it could give them back.
             let mut settings = self.settings.lock().unwrap();
             let before = settings.take().map_or_else(|| termios::tcgetattr(tty), Ok)?;
             let mut raw = settings.insert(before).clone();
@@ -1076,7 +1076,7 @@ impl Output {
 }
 
 #[cfg(unix)]
-impl Output {
+impl Console {
     /// The keys that were pressed, of those that are a single byte. Other keys send ESC and more, and so
     /// does a terminal that replies to an earlier program. What comes together with an ESC, or within
     /// 50 ms of it, belongs to it. An ESC alone is the Esc key.
@@ -1103,20 +1103,20 @@ impl Output {
     }
 
     /// Whether the donut may use the terminal. In the background, reading from it or changing its settings
-    /// would stop the program. To leave it at that would not do: `timeout` and `kill %1` wake a stopped
-    /// program, which catches their signal, goes on with what stopped it, and is stopped again.
+    /// would stop the program. Being stopped is not enough: `timeout` and `kill %1` signal a stopped program
+    /// and wake it. It catches the signal, goes on to use the terminal, and is stopped again.
     fn is_in_foreground(&self) -> io::Result<bool> {
         match self.tty.as_ref().map(termios::tcgetpgrp) {
             Some(Ok(foreground)) => Ok(foreground == getpgrp()),
             Some(Err(Errno::IO)) => Err(Errno::IO.into()), // The terminal is gone.
-            // It controls no session, or another one, or one whose jobs are in another pid namespace.
+            // The terminal controls no session, or another one, or jobs in another pid namespace.
             Some(Err(_)) | None => Ok(true),
         }
     }
 
     /// Whether Ctrl-Z was pressed, and a shell can continue the donut.
-    fn is_stopping(&self) -> bool {
-        // A session's first job has no shell; in another pid namespace than the terminal's there is one.
+    fn is_suspending(&self) -> bool {
+        // A session's first job has no shell to continue it. In another pid namespace (OPNOTSUPP) it has.
         self.job_control.load(SeqCst) == SIGTSTP as usize
             && (self.tty.as_ref().map(termios::tcgetpgrp) == Some(Err(Errno::OPNOTSUPP))
                 || getsid(None) != Ok(getpgrp()))

@@ -60,7 +60,7 @@ fn put(svg: &mut String, column: f64, row: f64, class: &str, glyphs: &str) {
     .unwrap();
 }
 
-/// The donut's frames below one another, drawn upwards past a window of one frame.
+/// A strip of the donut's frames, one below another, that moves up past a window of one frame.
 ///
 /// Each turns it twice as far as one of donut.c's. In 157 of them, B goes once round and A twice: then it
 /// begins again.
@@ -193,7 +193,7 @@ fn the_figures_of_the_readme_are_those_of_the_tables() {
         ("at 80x22, #% of the donut's cells are wrong", one_shade + more_shades + holes),
         ("are wrong: #% by one shade", one_shade),
         ("one shade, and #% by more", more_shades),
-        ("wrong as well: #% as many", extra),
+        ("wrong as well: another #%.", extra),
         ("and is # times as fast as a literal", ratio("donut.c as written", "exact")),
         ("picture, is # times as fast", ratio("donut.c as written", "classic x1")),
         ("closed form, which takes # times as long", ratio("closed form f64", "exact")),

@@ -220,7 +220,7 @@ fn a_storm_of_resizes_ends_with_the_picture_of_the_last_size() {
 }
 
 #[test]
-fn sizes_of_one_and_nothing_are_survived() {
+fn sizes_without_room_for_a_donut_are_survived() {
     for size in [(1, 1), (1, 24), (80, 1), (80, 2)] {
         let mut pty = donut(&["--fps=0"], size);
         pty.wait_for("some frames", |pty| frames(pty) > 20);
@@ -239,7 +239,7 @@ fn a_terminal_that_does_not_know_its_size_is_taken_for_80x24() {
         let frame = written.split("\x1b[?2026h\x1b[H").nth(1).unwrap();
         let frame = frame.split("\x1b[?2026l").next().unwrap();
         let rows: Vec<_> = frame.split("\r\n").skip(1).map(str::len).collect();
-        assert_eq!(rows, [79; 22].map(|_| 79), "{size:?}");
+        assert_eq!(rows, [79; 22], "{size:?}");
     }
 }
 

@@ -4,7 +4,7 @@ complete -c donut -l frames -d 'Stop after N frames; the last one stays on the s
 complete -c donut -l spin -d 'Rotation per frame, in radians' -r -f
 complete -c donut -s A -d 'Starting angle about the x axis, in radians' -r -f
 complete -c donut -s B -d 'Starting angle about the z axis, in radians' -r -f
-complete -c donut -l method -d 'How to draw' -r -f -a "auto\t'The default: classic for donut.c\'s own picture, else exact'
+complete -c donut -l method -d 'How to draw' -r -f -a "auto\t'Default: classic at donut.c\'s size and shape, else exact'
 classic\t'donut.c\'s way: plots many points, and the nearest wins'
 exact\t'Follows a ray through each cell\'s centre: right at any size'"
 complete -c donut -l color -d 'Colour: a name, 0 to 255, or \'#rrggbb\'' -r -f -a "black\t''

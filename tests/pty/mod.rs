@@ -11,7 +11,7 @@ use filedescriptor::{POLLIN, poll, pollfd};
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, SlavePty, native_pty_system};
 use vt100::{Parser, Screen};
 
-/// What comes true does so within this time, also on a machine under load.
+/// How long to wait for something to come true, even on a loaded machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 pub struct Pty {

@@ -345,7 +345,7 @@ fn rays_whose_search_comes_to_minus_w_are_right() {
             let ss_p = s * s + p;
             let step = ((ss_p * s + q) * s + r) / (2.0 * (ss_p + s * s) * s + q);
             let steps = n / 4 % 2 == 1 && s < -w;
-            s - if steps { step } else { 0.0 } + w
+            if steps { s - step + w } else { s + w }
         };
         let is_left = |t: f64| position(t) < 0.0;
         if is_left(0.0) != is_left(1.0) {

@@ -1,7 +1,7 @@
 //! What a ray sees, found in another way: this shares no code and no method with the program.
 //!
 //! The ray is turned into the torus's own frame, where the distance to the surface is a formula. Along
-//! the ray, this distance changes by no more than the way gone, and it bends by no more than the torus
+//! the ray, this distance changes by no more than the distance travelled, and it bends by no more than the torus
 //! does. So an interval is empty if the distance is large enough at its middle, or at both ends. All other
 //! intervals are halved, the nearer half first, down to the last bits. There is no polynomial, no
 //! derivative and nothing that has to converge.
@@ -95,7 +95,7 @@ impl Oracle {
 }
 
 /// The first zero of the distance within `half` of `middle`, to within `end`. `measure` gives the distance
-/// and the least radius in which it can bend. Both change by no more than the way gone.
+/// and the least radius in which it can bend. Both change by no more than the distance travelled.
 fn search(measure: &impl Fn(f64) -> (f64, f64), middle: f64, half: f64, end: f64) -> Option<f64> {
     let (distance, radius) = measure(middle);
     let at_ends = || measure(middle - half).0.min(measure(middle + half).0);

@@ -8,7 +8,7 @@ use pty::Pty;
 
 #[test]
 #[ignore = "panics on purpose, on the terminal of the test below"]
-fn a_donut_that_falls() {
+fn a_donut_that_panics() {
     // No command line asks for rows of no cells. They make it panic in its first frame, just after it
     // took the terminal.
     run(&Options { width: Some(0), ..Options::parse_from(["donut"]) }).unwrap();
@@ -17,8 +17,8 @@ fn a_donut_that_falls() {
 #[test]
 fn a_panic_restores_the_terminal_and_can_be_read() {
     let program = env::current_exe().unwrap();
-    let falls = ["--ignored", "--nocapture", "--exact", "tests::terminal::a_donut_that_falls"];
-    let mut pty = Pty::run(program.to_str().unwrap(), &falls, (80, 100), "xterm");
+    let panics = ["--ignored", "--nocapture", "--exact", "tests::terminal::a_donut_that_panics"];
+    let mut pty = Pty::run(program.to_str().unwrap(), &panics, (80, 100), "xterm");
     assert_eq!(pty.exit(), 101);
     pty.assert_restored();
     assert_eq!(pty.written().matches("\x1b[?1049l").count(), 1);

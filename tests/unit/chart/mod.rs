@@ -157,7 +157,8 @@ fn wrong_cells(ways: &mut [Way], view: &View, poses: &[(f64, f64)]) -> (Vec<Wron
     (wrong, surface)
 }
 
-/// Microseconds a frame of each way, as in its line: rounds of all ways, until it is time.
+/// Microseconds a frame of each way, in the order of the table's columns. All ways are timed in turn, round
+/// after round, until the time is up.
 ///
 /// Each round has five runs of 40 frames that follow one another, as in the program. Unrelated frames
 /// take a few per cent longer.
@@ -204,7 +205,7 @@ fn measure(mut ways: Vec<Way>, view: &View, seconds: u64) -> String {
     lines
 }
 
-/// The README's table of where methods fail. Classic has donut.c's steps there.
+/// The README's table of where methods fail.
 fn failures() -> String {
     let scene = |r2, k2| View::new(160, 44, 2.0, r2, k2);
     let poses = own_poses(10);
@@ -213,14 +214,14 @@ fn failures() -> String {
         ("donut.c's donut", scene(2.0, 5.0), &poses),
         ("larger: 320x88", fitted(320, 88), &poses),
         ("edge-on, within 0.0001 rad", scene(2.0, 5.0), &edge_on),
-        ("a thin ring: R2 = 9, K2 = 25", scene(9.0, 25.0), &poses),
-        ("the viewer close up: K2 = 3.003", scene(2.0, 3.003), &poses),
-        ("far away: K2 = 50", scene(2.0, 50.0), &poses),
-        ("further away: K2 = 50,000", scene(2.0, 50_000.0), &poses),
+        ("a thin ring: `--r2 9 --k2 25`", scene(9.0, 25.0), &poses),
+        ("close up: `--k2 3.003`", scene(2.0, 3.003), &poses),
+        ("far away: `--k2 50`", scene(2.0, 50.0), &poses),
+        ("further away: `--k2 50000`", scene(2.0, 50_000.0), &poses),
     ];
     let mut table = String::from(
-        "| wrong cells, in % of the donut's | classic | sphere tracing | Newton | Ferrari f32 \
-         | Ferrari f64 | closed form | exact |\n|---|--:|--:|--:|--:|--:|--:|--:|\n",
+        "| wrong cells, in % of the donut's | donut.c's steps | sphere tracing | Newton, one start \
+         | Ferrari f32 | Ferrari f64 | closed form | exact |\n|---|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for (name, view, poses) in rows {
         let k2 = view.k2;

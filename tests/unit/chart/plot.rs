@@ -153,7 +153,7 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
     };
     let [exact, classic, written] = ["exact", "classic x1", "donut.c"].map(|name| named(name)[0]);
     let faster = written.0 / exact.0;
-    let title = format!("Exact: no wrong cell, and {faster:.0} times as fast as donut.c");
+    let title = format!("Exact: no wrong cell, and {faster:.0} times as fast as a literal donut.c");
     let up = "wrong cells, in % of the donut's (cube-root scale)";
     let right = "time of a frame in µs, at 80x22 (logarithmic scale)";
     let times = [10.0, 30.0, 100.0, 300.0, 1000.0];
