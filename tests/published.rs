@@ -227,6 +227,9 @@ fn what_the_readme_says_about_the_methods_is_true_in_the_table() {
         let steps = [8, 16, 32, 64, 256].map(|n| wrong(&format!("sphere tracing {n}")));
         assert!(steps.is_sorted_by(|fewer, more| fewer > more), "{size}: {steps:?}");
     }
+    for closed_form in ["closed form f32", "closed form f64"] {
+        assert!(micros("exact") < micros(closed_form), "{closed_form}");
+    }
     let finer = ["classic x1", "classic x1/2", "classic x1/4"];
     let finer = finer.map(|method| measured(method, "80x22", "wrong cells"));
     assert!(finer.is_sorted(), "finer steps help: {finer:?}");
