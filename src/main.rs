@@ -207,7 +207,7 @@ fn set_heading(option: Arg) -> Arg {
 /// The numbers that an option takes, as a range and in words.
 type Numbers<T> = (RangeInclusive<T>, &'static str);
 const RATES: Numbers<f64> = (0.0..=1000.0, "a number from 0 to 1000");
-const COUNTS: Numbers<u64> = (0..=u64::MAX, "a whole number, 0 or more");
+const COUNTS: Numbers<u64> = (0..=u64::MAX, "a whole number from 0 to 2^64 - 1");
 const SIZES: Numbers<u16> = (1..=4096, "a whole number from 1 to 4096");
 const ANGLES: Numbers<f64> = (-1e9..=1e9, "an angle in radians, such as 1.57 (at most 1e9)");
 const ASPECTS: Numbers<f64> = (0.1..=10.0, "a number from 0.1 to 10");
@@ -244,8 +244,8 @@ fn parse_color(text: &str) -> Result<Color, String> {
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
-/// The range of R2 / R1. Below 1.001, no screen shows the hole. At 30, the tube is less than three
-/// columns thick on a screen of 80.
+/// The range of R2 / R1. Below 1.001, the hole is a few cells at most. At 30, the tube seen from afar is
+/// less than three columns thick on a screen of 80.
 const RING_RATIOS: RangeInclusive<f64> = 1.001..=30.0;
 /// The least K2 / (R1 + R2). There the donut fills 175 degrees of the view.
 const LEAST_DISTANCE: f64 = 1.001;
@@ -295,7 +295,6 @@ fn main() -> ExitCode {
     match run(&options) {
         // A reader that goes away, as in `donut | head`, has seen enough.
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            // If standard error is gone as well, there is nobody left to tell.
             let _ = writeln!(io::stderr(), "donut: {error}");
             ExitCode::FAILURE
         }
@@ -510,9 +509,8 @@ fn apparent_radius(r2: f64, k2: f64) -> f64 {
 
 // ---- Rendering -----------------------------------------------------------------------------------
 
-/// The glyphs, from dark to bright.
+/// The glyphs, from dark to bright, and with the shading off.
 const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
-/// The glyphs with the shading off.
 const FLAT: &[u8; 12] = &[b'.'; 12];
 
 /// The glyph of a luminance L, which is from -sqrt 2 to sqrt 2.
@@ -979,9 +977,10 @@ impl Console {
     fn end_by_signal(&self) {
         let signal = self.end_signal.load(SeqCst);
         if signal != 0 {
+            // A signal cannot end the first process of a pid namespace, as in a container.
             #[cfg(unix)]
-            let _ = low_level::emulate_default_handler(signal as i32);
-            process::exit(1)
+            let _ = (process::id() != 1).then(|| low_level::emulate_default_handler(signal as i32));
+            process::exit(128 + signal as i32)
         }
     }
 
@@ -989,8 +988,9 @@ impl Console {
     fn enter(&self, out: &mut Vec<u8>) -> io::Result<()> {
         self.is_entered.store(true, SeqCst);
         #[cfg(unix)]
+        let _ = self.job_control.compare_exchange(SIGCONT as usize, 0, SeqCst, SeqCst);
+        #[cfg(unix)]
         if let Some(tty) = &self.tty {
-            let _ = self.job_control.compare_exchange(SIGCONT as usize, 0, SeqCst, SeqCst);
             // They are still stored if the donut lost the foreground before it could give them back.
             let mut settings = self.settings.lock().unwrap();
             let before = settings.take().map_or_else(|| termios::tcgetattr(tty), Ok)?;
@@ -1085,7 +1085,7 @@ impl Console {
             Some(tty) if self.wait_for_key(Duration::ZERO)? => tty,
             _ => return Ok(Vec::new()),
         };
-        let mut bytes = [0; 4096]; // A terminal holds no more.
+        let mut bytes = [0; 4096]; // One read returns no more.
         let mut keys = match tty.read(&mut bytes)? {
             0 => return Err(Errno::IO.into()), // It is gone.
             count => bytes[..count].to_vec(),
@@ -1122,7 +1122,7 @@ impl Console {
                 || getsid(None) != Ok(getpgrp()))
     }
 
-    /// Gives `tty` its settings back, but not from the background.
+    /// Gives `tty` its settings back, unless the donut is in the background.
     fn restore_settings(&self) -> io::Result<()> {
         if self.is_in_foreground()? {
             let settings = self.settings.lock().unwrap().take();

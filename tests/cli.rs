@@ -117,9 +117,20 @@ fn the_short_help_fits_a_screen_of_40_lines() {
 #[test]
 fn the_long_help_tells_the_ranges_the_colours_and_what_the_methods_are() {
     let help = output_of(&["--help"]);
-    for text in
-        ["1 to 4096", "auto: ", "classic: ", "exact: ", "black, dark_grey", "draws from its top"]
-    {
+    for text in [
+        "0 to 1000",
+        "-1e9 to 1e9",
+        "1 to 4096",
+        "0.1 to 10",
+        "0.000001 to 1000000",
+        "1.001 to 30 times --r1",
+        "1.001 times the sum",
+        "auto: ",
+        "classic: ",
+        "exact: ",
+        "black, dark_grey",
+        "draws from its top",
+    ] {
         assert!(help.contains(text), "no {text} in {help}");
     }
 }
@@ -149,10 +160,10 @@ fn rates_that_are_negative_not_finite_or_no_number_are_refused() {
     for fps in ["-1", "-0.5", "nan", "inf", "-inf", "1001", "fast", ""] {
         assert_refused(&["--fps", fps], &["--fps", &format!("'{fps}'"), "from 0 to 1000"]);
     }
-    for frames in ["-1", "1.5", "many", ""] {
+    for frames in ["-1", "1.5", "many", "18446744073709551616", ""] {
         assert_refused(
             &["--frames", frames],
-            &["--frames", &format!("'{frames}'"), "a whole number, 0 or more"],
+            &["--frames", &format!("'{frames}'"), "a whole number from 0 to 2^64 - 1"],
         );
     }
     for aspect in ["0", "-2", "nan", "11", "wide", ""] {

@@ -198,11 +198,11 @@ fn the_figures_of_the_readme_are_those_of_the_tables() {
         ("picture, is # times as fast", ratio("donut.c as written", "classic x1")),
         ("closed form, which takes # times as long", ratio("closed form f64", "exact")),
         ("After # hours at 30", hours(faster)),
-        ("it turns #% too fast", too_fast),
+        ("second it turns #% too fast", too_fast),
         ("after # days it stands still. Classic", hours(stopped) / 24.0),
         ("after those # hours", hours(faster)),
         ("a whole turn in # hours", hours(whole_turn)),
-        ("From # hours on A", hours(faster)),
+        ("After # hours A turns", hours(faster)),
         ("A turns #% too fast", too_fast),
         ("after # days it stands still.]", hours(stopped) / 24.0),
     ] {

@@ -187,7 +187,7 @@ fn a_code_that_begins_with_escape_does_nothing_whole_or_in_pieces() {
 }
 
 #[test]
-fn keys_in_one_paste_are_all_obeyed() {
+fn q_is_obeyed_wherever_it_stands_in_a_paste() {
     for keys in [&b"qx"[..], b"xq", b"  q", b"ppq"] {
         let mut pty = still_donut((80, 24));
         pty.type_bytes(keys);
@@ -256,7 +256,7 @@ fn a_size_that_is_given_stays_and_is_clipped_to_the_screen() {
 }
 
 #[test]
-fn signals_end_it_as_they_end_any_program_but_restore_the_terminal_first() {
+fn it_ends_by_the_signal_that_came_but_restores_the_terminal_first() {
     for (signal, code) in [("HUP", 129), ("INT", 130), ("QUIT", 131), ("TERM", 143)] {
         let mut pty = donut(&["--fps=0.01"], (80, 24));
         pty.wait_for("a frame", |pty| frames(pty) > 0);
@@ -425,8 +425,9 @@ fn ctrl_z_stops_it_in_a_pid_namespace_if_one_can_be_made() {
         println!("not tested: this machine does not let us make a pid namespace");
         return;
     }
-    // As the first process of its namespace, and as another one.
-    for command in [format!("{DONUT} {}", STILL.join(" ")), format!("sh -c '{DONUT}; true'")] {
+    // As the first process of its namespace, which no signal can end, and as another one.
+    let second = format!("sh -c '{DONUT}; exit 5'");
+    for (command, key, code) in [(DONUT, b"\x03", 130), (&second, b"q", 5)] {
         let mut pty = Pty::shell("bash", (80, 24));
         type_line(&mut pty, &format!("{unshare} {command}"));
         pty.wait_for("a frame", |pty| frames(pty) > 0);
@@ -440,8 +441,8 @@ fn ctrl_z_stops_it_in_a_pid_namespace_if_one_can_be_made() {
             type_line(&mut pty, "fg");
             pty.wait_for("more frames", |pty| frames(pty) > now + 2);
         }
-        pty.type_bytes(b"q");
-        assert_code(&mut pty, 0);
+        pty.type_bytes(key);
+        assert_code(&mut pty, code);
     }
 }
 
@@ -735,6 +736,7 @@ fn keys_come_from_the_terminal_whatever_standard_input_is() {
     }
 }
 
+#[cfg(target_os = "linux")]
 #[test]
 fn keys_come_from_standard_input_where_the_session_has_no_terminal() {
     let mut pty = Pty::shell("bash", (80, 24));
@@ -743,6 +745,29 @@ fn keys_come_from_standard_input_where_the_session_has_no_terminal() {
     pty.wait_for("the picture", |pty| pty.lines() == picture((80, 24), (80, 24)));
     pty.type_bytes(b"abcq");
     pty.wait_for("exit code 0", |pty| pty.lines().contains(&"code=0".to_string()));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn without_any_keys_it_runs_on_signals() {
+    use std::os::unix::process::ExitStatusExt;
+    let shown = Pty::run("sleep", &["100"], (80, 24), "xterm");
+    let command = format!("exec setsid {DONUT} < /dev/null > {}", shown.path());
+    let mut donut = Command::new("sh").args(["-c", &command]).spawn().unwrap();
+    let signal = |name| {
+        let kill = Command::new("kill").args(["-s", name, &donut.id().to_string()]).status();
+        assert!(kill.unwrap().success());
+    };
+    shown.wait_for("a frame", |shown| frames(shown) > 0);
+    signal("CONT");
+    let enters = |shown: &Pty| shown.written().matches("\x1b[?1049h").count();
+    shown.wait_for("another entering", |shown| enters(shown) == 2);
+    let now = frames(&shown);
+    shown.wait_for("more frames", |shown| frames(shown) > now + 5);
+    assert_eq!(enters(&shown), 2);
+    signal("TERM");
+    assert_eq!(donut.wait().unwrap().signal(), Some(15));
+    shown.assert_restored();
 }
 
 #[cfg(target_os = "linux")]
@@ -816,4 +841,5 @@ fn a_q_typed_ahead_ends_it_before_the_first_frame() {
     let written = pty.written();
     assert!(written.find("\x1b[?1049h") < written.find("\x1b[?1049l"));
     assert_eq!(written.matches("\x1b[?1049h").count(), 1);
+    assert_eq!(frames(&pty), 0);
 }

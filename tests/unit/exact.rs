@@ -300,8 +300,8 @@ fn rays_between_a_hit_and_a_miss_are_right() {
 }
 
 /// Rays in the plane f = 1 touch the top of the tube twice. If such a ray just misses it, each step only
-/// halves the distance to where it nearly touches, first on the left and then on the right. This takes up
-/// to 45 steps; with a limit of 40, cells would be drawn where no donut is.
+/// halves the distance to where it nearly touches, first on the left and then on the right. This takes about
+/// 50 steps; with a limit of 40, cells would be drawn where no donut is.
 #[test]
 fn rays_that_touch_the_tube_twice_are_right() {
     let (mut random, mut tally) = (Random(2012), Tally::default());

@@ -1,5 +1,5 @@
-//! Other ways to draw the donut, to compare with ours. Those that are timed are as fast as we can plainly
-//! write them.
+//! Other ways to draw the donut, to compare with ours. Those that are timed, but for donut.c as written,
+//! are as fast as we can plainly write them.
 //!
 //! Those that cast rays differ from `exact` in how they find the first hit, and in nothing else: the
 //! rays and the shading are its own, in f64.
