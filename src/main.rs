@@ -702,7 +702,7 @@ struct Torus {
     axis: [f64; 3],
 }
 
-/// d0 to lu, for each ray.
+/// The numbers d0, f0, fu, l0 and lu of each ray.
 #[derive(Default)]
 struct Rays {
     d0: Lanes,
@@ -876,7 +876,7 @@ impl Escapes {
 /// foreground, and restores it on Ctrl-Z, on losing the foreground, at the end, and on a panic.
 struct Console {
     /// Standard output, without a buffer.
-    file: File,
+    stdout: File,
     is_terminal: bool,
     /// Whether TERM is dumb: no escape codes and no keys.
     is_dumb: bool,
@@ -903,9 +903,9 @@ impl Console {
         crossterm::ansi_support::supports_ansi(); // Asking turns on the console's escape codes.
         let console = Arc::new(Console {
             #[cfg(unix)]
-            file: io::stdout().as_fd().try_clone_to_owned()?.into(),
+            stdout: io::stdout().as_fd().try_clone_to_owned()?.into(),
             #[cfg(windows)]
-            file: io::stdout().as_handle().try_clone_to_owned()?.into(),
+            stdout: io::stdout().as_handle().try_clone_to_owned()?.into(),
             is_terminal,
             is_dumb,
             escapes: Escapes::new(is_terminal, is_dumb, options),
@@ -963,9 +963,9 @@ impl Console {
                 && self.is_entered.load(SeqCst)
             {
                 // Linux wakes the write only when output is stopped and started again.
-                let _ = termios::tcflush(&self.file, QueueSelector::OFlush);
-                let _ = termios::tcflow(&self.file, Action::OOff);
-                let _ = termios::tcflow(&self.file, Action::OOn);
+                let _ = termios::tcflush(&self.stdout, QueueSelector::OFlush);
+                let _ = termios::tcflow(&self.stdout, Action::OOff);
+                let _ = termios::tcflow(&self.stdout, Action::OOn);
                 thread::sleep(Duration::from_millis(20));
             }
             let _ = self.restore_settings();
@@ -1018,7 +1018,7 @@ impl Console {
 
     fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
         while !bytes.is_empty() {
-            match (&self.file).write(bytes) {
+            match (&self.stdout).write(bytes) {
                 Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
                 Ok(count) => bytes = &bytes[count..],
                 Err(error) => match error.kind() {
@@ -1034,7 +1034,7 @@ impl Console {
     /// The terminal's columns and rows, if there is one: 80x24 if it reports none.
     fn size(&self) -> io::Result<Option<(u16, u16)>> {
         #[cfg(unix)]
-        let size = || termios::tcgetwinsize(&self.file).map(|size| (size.ws_col, size.ws_row));
+        let size = || termios::tcgetwinsize(&self.stdout).map(|size| (size.ws_col, size.ws_row));
         #[cfg(windows)]
         let size = crossterm::terminal::size;
         let or_default = |size: (u16, u16)| if size.0 > 0 && size.1 > 0 { size } else { (80, 24) };
