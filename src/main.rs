@@ -250,7 +250,7 @@ const RING_RATIOS: RangeInclusive<f64> = 1.001..=30.0;
 /// The least K2 / (R1 + R2). There the donut fills 175 degrees of the view.
 const LEAST_DISTANCE: f64 = 1.001;
 
-/// The quotient of two lengths, without the error of division: 0.35 / 0.07 is 5, and no less.
+/// The quotient of two lengths, exact if it has up to six decimals: 0.35 / 0.07 is 5, and no less.
 fn ratio(length: f64, unit: f64) -> f64 {
     let (ratio, rounded) = (length / unit, (1e6 * length / unit).round() / 1e6);
     if (ratio - rounded).abs() < 1e-15 * ratio { rounded } else { ratio }
@@ -350,8 +350,9 @@ impl Animation<'_> {
                 if console.is_suspending() || !console.is_in_foreground()? {
                     console.restore()?;
                     thread::sleep(LOOK_AGAIN);
-                    // A shell may have continued it by now.
-                    if console.is_suspending() {
+                    // A shell may have continued it by now. The first process of a pid namespace cannot stop.
+                    if console.is_suspending() && process::id() != 1 {
+                        console.job_control.store(0, SeqCst);
                         low_level::raise(SIGSTOP)?;
                     }
                     continue;
@@ -374,7 +375,7 @@ impl Animation<'_> {
             }
             for key in console.keys()? {
                 match key {
-                    b'q' | b'\x1b' => return console.write(&out), // `restore` undoes `enter`.
+                    b'q' | b'\x1b' => return console.write(&out), // `leave` needs `enter`.
                     b'p' if self.deadline.is_some() => self.deadline = None,
                     b'p' => self.deadline = Some(Instant::now()),
                     b' ' => {
@@ -415,7 +416,7 @@ impl Animation<'_> {
 }
 
 /// The angles A and B, frame after frame: `origin + frames * spin`. `exact` counts the frames. `classic`
-/// makes donut.c's own sum, rounded to `float`, the new origin.
+/// sets the origin to donut.c's own sum, rounded to `float`.
 struct Clock {
     origin: [f64; 2],
     frames: u64,
@@ -450,8 +451,7 @@ impl Clock {
         }
     }
 
-    /// Whether floats are fine enough: for the angles to 0.001 rad, and for donut.c's next step to a tenth of
-    /// the spin. With its own spin, that is so until frame 3,345,245, where A passes 2^17 and a step of 0.04
+    /// Whether floats hold the angles to 0.001 rad, and donut.c's next step to a tenth of the spin. With its own spin, that is so until frame 3,345,245, where A passes 2^17 and a step of 0.04
     /// is rounded to 0.047. From frame 22,918,663 on, where A is 2^20, it is rounded to 0.
     fn floats_suffice(&self) -> bool {
         let (angles, next) = (self.angles(), self.next_floats());
@@ -563,8 +563,8 @@ impl Renderer {
         for row in self.zbuffer[..self.framebuffer.len()].chunks_exact_mut(width).skip(1) {
             row[1..].fill(0.0);
         }
-        // Slices of the same length need no bounds checks, so the compiler vectorises all but the last of
-        // the three inner loops. That is why they are not one.
+        // The compiler vectorises the first two of the three inner loops, because slices of one length need no
+        // bounds checks. It would not vectorise a single loop.
         let count = sin_phis.len();
         let (sin_phis, cos_phis) = (&sin_phis[..count], &cos_phis[..count]);
         let (mut ooz, mut x, mut y) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
@@ -620,8 +620,8 @@ impl Renderer {
 
 // ---- classic: donut.c's arithmetic ---------------------------------------------------------------
 
-/// donut.c's steps of theta and phi, or proportionally smaller ones for a larger picture. From one sample
-/// to the next, the nearest point moves by about a cell, as in donut.c. Larger steps would leave gaps.
+/// donut.c's steps of theta and phi, or proportionally smaller ones for a larger picture. Where the
+/// donut is nearest, samples are then about a cell apart, as in donut.c. Larger steps would leave gaps.
 fn spacings(view: &View) -> [f64; 2] {
     let shrink = f64::min(1.0, View::DONUT_C.k1x / view.k1x.max(view.k1y));
     [0.07 * shrink, 0.02 * shrink]
@@ -665,7 +665,7 @@ const MISS: f64 = f64::INFINITY;
 /// correct digits, so the error is then below rounding. Where a ray grazes the donut, a step only halves
 /// the error; but there the ray is within 1e-16 of the surface for 1e-8 to either side.
 const LAST_STEP: f64 = 1e-8;
-/// Most rays take about 5 steps. One that grazes both sides of the tube at the distance delta takes about
+/// Most rays take about 5 steps. One that grazes the tube twice, at the distance delta, takes about
 /// `2 log2((1 + R2) / sqrt(2 delta))`; 67 is the most found. Only a search for a triple root takes more.
 const MOST_STEPS: usize = 100;
 /// Added to each luminance, too little to be seen. Where 8 L is a whole number, as it may be in symmetric
@@ -881,13 +881,13 @@ struct Console {
     /// Whether TERM is dumb: no escape codes and no keys.
     is_dumb: bool,
     escapes: Escapes,
-    /// The terminal that keys come from, and that has a foreground, if there is one.
+    /// The terminal whose keys and whose foreground count, if there is one.
     tty: Option<File>,
     /// Set by `enter`, cleared by `restore`.
     is_entered: AtomicBool,
     /// The signal that ends the donut, or 0. Set by its handler, never cleared.
     end_signal: Arc<AtomicUsize>,
-    /// SIGTSTP or SIGCONT, whichever came last, or 0. Set by their handlers; `enter` clears SIGCONT.
+    /// SIGTSTP or SIGCONT, whichever came last, or 0. Set by their handlers, cleared by `play` and `enter`.
     #[cfg(unix)]
     job_control: Arc<AtomicUsize>,
     /// The settings of `tty` when the donut entered. Set by `enter`, cleared when they are given back.
@@ -934,12 +934,12 @@ impl Console {
         ctrlc::set_handler(move || console.end_if_stuck()).map_err(io::Error::other)?;
         #[cfg(unix)]
         {
-            // ctrlc, whose handler these call, does not tell which signal came, and leaves out SIGQUIT.
+            // These go on to ctrlc's handler, which cannot tell signals apart and leaves out SIGQUIT.
             for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
                 flag::register_usize(signal, self.end_signal.clone(), signal as usize)?;
             }
-            let (console, (mut quits, handler)) = (self.clone(), UnixStream::pair()?);
-            low_level::pipe::register(SIGQUIT, handler)?;
+            let (console, (mut quits, sender)) = (self.clone(), UnixStream::pair()?);
+            low_level::pipe::register(SIGQUIT, sender)?;
             thread::spawn(move || quits.read_exact(&mut [0]).map(|()| console.end_if_stuck()));
             for signal in [SIGTSTP, SIGCONT] {
                 flag::register_usize(signal, self.job_control.clone(), signal as usize)?;
@@ -984,7 +984,7 @@ impl Console {
         }
     }
 
-    /// Puts the terminal into raw mode, and into `out` what prepares its screen.
+    /// On Unix, makes the terminal raw. Puts what prepares its screen into `out`.
     fn enter(&self, out: &mut Vec<u8>) -> io::Result<()> {
         self.is_entered.store(true, SeqCst);
         #[cfg(unix)]
@@ -1103,8 +1103,8 @@ impl Console {
     }
 
     /// Whether the donut may use the terminal. In the background, reading from it or changing its settings
-    /// would stop the program. Being stopped is not enough: `timeout` and `kill %1` signal a stopped program
-    /// and wake it. It catches the signal, goes on to use the terminal, and is stopped again.
+    /// would stop the program. Then `timeout` and `kill %1` could not end it: they signal and wake it, but it
+    /// would catch the signal, use the terminal, and be stopped again.
     fn is_in_foreground(&self) -> io::Result<bool> {
         match self.tty.as_ref().map(termios::tcgetpgrp) {
             Some(Ok(foreground)) => Ok(foreground == getpgrp()),
@@ -1116,7 +1116,7 @@ impl Console {
 
     /// Whether Ctrl-Z was pressed, and a shell can continue the donut.
     fn is_suspending(&self) -> bool {
-        // A session's first job has no shell to continue it. In another pid namespace (OPNOTSUPP) it has.
+        // A session's first job has no shell, unless that is in another pid namespace (OPNOTSUPP).
         self.job_control.load(SeqCst) == SIGTSTP as usize
             && (self.tty.as_ref().map(termios::tcgetpgrp) == Some(Err(Errno::OPNOTSUPP))
                 || getsid(None) != Ok(getpgrp()))

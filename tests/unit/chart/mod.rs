@@ -211,7 +211,7 @@ fn failures() -> String {
     let poses = own_poses(10);
     let edge_on: Vec<_> = poses.iter().map(|&(_, b)| (TAU / 4.0 + 1e-4, b)).collect();
     let rows = [
-        ("donut.c's donut", scene(2.0, 5.0), &poses),
+        ("donut.c's donut, at 160x44", scene(2.0, 5.0), &poses),
         ("larger: 320x88", fitted(320, 88), &poses),
         ("edge-on, within 0.0001 rad", scene(2.0, 5.0), &edge_on),
         ("a thin ring: `--r2 9 --k2 25`", scene(9.0, 25.0), &poses),
