@@ -326,8 +326,7 @@ fn run(options: &Options) -> io::Result<()> {
     let deadline = Some(Instant::now());
     let mut animation =
         Animation { options, console: console.clone(), clock, renderer, size, drawn: 0, deadline };
-    let played = animation.play();
-    let restored = console.restore();
+    let (played, restored) = (animation.play(), console.restore());
     console.end_by_signal();
     played.and(restored)
 }
@@ -350,7 +349,7 @@ impl Animation<'_> {
                 if console.is_suspending() || !console.is_in_foreground()? {
                     console.restore()?;
                     thread::sleep(LOOK_AGAIN);
-                    // A shell may have continued it by now. The first process of a pid namespace cannot stop.
+                    // A signal may have come by now. And the first process of a pid namespace cannot stop.
                     if console.is_suspending() && process::id() != 1 {
                         console.job_control.store(0, SeqCst);
                         low_level::raise(SIGSTOP)?;
@@ -966,7 +965,7 @@ impl Console {
                 let _ = termios::tcflush(&self.stdout, QueueSelector::OFlush);
                 let _ = termios::tcflow(&self.stdout, Action::OOff);
                 let _ = termios::tcflow(&self.stdout, Action::OOn);
-                thread::sleep(Duration::from_millis(20));
+                thread::sleep(Duration::from_millis(2));
             }
             let _ = self.restore_settings();
         }
@@ -1114,10 +1113,11 @@ impl Console {
         }
     }
 
-    /// Whether Ctrl-Z was pressed, and a shell can continue the donut.
+    /// Whether Ctrl-Z was pressed, a shell can continue the donut, and no signal ends it.
     fn is_suspending(&self) -> bool {
-        // A session's first job has no shell, unless that is in another pid namespace (OPNOTSUPP).
+        // A session's first job has no shell. In another pid namespace (OPNOTSUPP), assume that there is one.
         self.job_control.load(SeqCst) == SIGTSTP as usize
+            && self.end_signal.load(SeqCst) == 0
             && (self.tty.as_ref().map(termios::tcgetpgrp) == Some(Err(Errno::OPNOTSUPP))
                 || getsid(None) != Ok(getpgrp()))
     }

@@ -510,6 +510,10 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
         pty.wait_for("the stop", Pty::is_stopped);
         pty.wait_for("the shell", |pty| pty.written().contains("Stopped"));
     };
+    let ctrl_z_and_kill: Step = |pty| {
+        pty.type_bytes(b"\x1a");
+        pty.signal_job("TERM");
+    };
     let bg: Step = |pty| {
         type_line(pty, "bg");
         pty.wait_for("the continuation", |pty| !pty.is_stopped());
@@ -533,7 +537,8 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
         }
     };
     for steps in [
-        &[start, ctrl_z, kill][..],
+        &[start, ctrl_z_and_kill][..],
+        &[start, ctrl_z, kill],
         &[start, ctrl_z, hang_up],
         &[start, ctrl_z, bg, kill],
         &[start, ctrl_z, typed_ahead],
