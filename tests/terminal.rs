@@ -553,8 +553,8 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
         let mut pty = Pty::shell("bash", (80, 24));
         steps.iter().for_each(|step| step(&mut pty));
         pty.wait_for("its end", |pty| pty.job().is_none());
-        // So the shell calls a job that ended by a signal.
-        type_line(&mut pty, "");
+        // So the shell calls a job that ended by a signal, at the latest when another job ends as well.
+        type_line(&mut pty, "(:)");
         let ends = ["Terminated", "Hangup"];
         pty.wait_for("its signal", |pty| ends.iter().any(|end| pty.written().contains(end)));
         assert!(pty.screen(|screen| !screen.alternate_screen() && !screen.hide_cursor()));

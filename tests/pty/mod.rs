@@ -157,21 +157,22 @@ impl Pty {
         assert!(kill.args(["-s", name, "--", &group]).status().unwrap().success());
     }
 
-    /// What `ps` says about the process that the program runs, in one column.
+    /// What `ps` says in one column about the process that the program runs, unless that has ended.
     fn job_column(&self, column: &str) -> Option<String> {
         let parent = self.process().to_string();
         let path = self.path();
         let terminal = path.strip_prefix("/dev/").unwrap();
-        let columns = ["-t", terminal, "-o", "ppid=", "-o", column];
+        let columns = ["-t", terminal, "-o", "ppid=", "-o", "state=", "-o", column];
         let processes = Command::new("ps").args(columns).output().unwrap();
         let processes = String::from_utf8(processes.stdout).unwrap();
         processes.lines().find_map(|line| {
-            let (ppid, value) = line.trim().split_once(' ')?;
-            (ppid == parent).then(|| value.trim().to_string())
+            let (ppid, rest) = line.trim().split_once(' ')?;
+            let (state, value) = rest.trim().split_once(' ')?;
+            (ppid == parent && !state.starts_with('Z')).then(|| value.trim().to_string())
         })
     }
 
-    /// The process that the program runs, until the program knows that it has ended.
+    /// The process that the program runs, until it ends.
     pub fn job(&self) -> Option<String> {
         self.job_column("pid=")
     }
