@@ -769,18 +769,15 @@ fn without_any_keys_it_runs_on_signals() {
     let shown = Pty::run("sleep", &["100"], (80, 24), "xterm");
     let command = format!("exec setsid {DONUT} < /dev/null > {}", shown.path());
     let mut donut = Command::new("sh").args(["-c", &command]).spawn().unwrap();
-    let signal = |name| {
-        let kill = Command::new("kill").args(["-s", name, &donut.id().to_string()]).status();
-        assert!(kill.unwrap().success());
-    };
+    let process = donut.id().to_string();
     shown.wait_for("a frame", |shown| frames(shown) > 0);
-    signal("CONT");
+    pty::kill("CONT", &process);
     let enters = |shown: &Pty| shown.written().matches("\x1b[?1049h").count();
     shown.wait_for("another entering", |shown| enters(shown) == 2);
     let now = frames(&shown);
     shown.wait_for("more frames", |shown| frames(shown) > now + 5);
     assert_eq!(enters(&shown), 2);
-    signal("TERM");
+    pty::kill("TERM", &process);
     assert_eq!(donut.wait().unwrap().signal(), Some(15));
     shown.wait_for("the end", |shown| shown.written().ends_with("\x1b[?1049l"));
     shown.assert_restored();

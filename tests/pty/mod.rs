@@ -39,6 +39,13 @@ fn pty_size((cols, rows): (u16, u16)) -> PtySize {
     PtySize { rows, cols, ..PtySize::default() }
 }
 
+/// Sends a signal to a process, or to a group of them: then its number is negative.
+#[track_caller]
+pub fn kill(signal: &str, process: &str) {
+    let status = Command::new("kill").args(["-s", signal, "--", process]).status();
+    assert!(status.unwrap().success());
+}
+
 impl Pty {
     /// Runs a program on a terminal with this number of columns and of rows.
     pub fn run(program: &str, arguments: &[&str], size: (u16, u16), term: &str) -> Pty {
@@ -152,9 +159,7 @@ impl Pty {
 
     /// Sends a signal to the program and to all that it runs.
     pub fn signal(&self, name: &str) {
-        let group = format!("-{}", self.process());
-        let mut kill = Command::new("kill");
-        assert!(kill.args(["-s", name, "--", &group]).status().unwrap().success());
+        kill(name, &format!("-{}", self.process()));
     }
 
     /// What `ps` says in one column about the process that the program runs, unless that has ended.
@@ -191,8 +196,7 @@ impl Pty {
 
     /// Sends a signal to what the program runs, and to nothing else.
     pub fn signal_job(&self, name: &str) {
-        let process = self.job().expect("a job");
-        assert!(Command::new("kill").args(["-s", name, &process]).status().unwrap().success());
+        kill(name, &self.job().expect("a job"));
     }
 
     /// The terminal's path.
