@@ -103,7 +103,7 @@ use {
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`.
-#[command(args_override_self = true, mut_args(set_heading))]
+#[command(args_override_self = true, mut_args(configure_option))]
 struct Options {
     /// Frames per second; 0 means no limit
     ///
@@ -132,7 +132,7 @@ struct Options {
     /// hours at 30 fps its angles get too coarse. Then auto goes on with
     /// exact, whose outline is thinner.
     #[arg(long, value_enum, default_value_t, hide_default_value = true, verbatim_doc_comment)]
-    method: Method,
+    method: MethodOption,
     /// Colour: a name, 0 to 255, or '#rrggbb'
     ///
     /// The # may be left out. The names are black, dark_grey, grey, white,
@@ -182,7 +182,7 @@ Examples:
   donut -A 1 -B 1 --color cyan";
 
 #[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
-enum Method {
+enum MethodOption {
     /// Default: classic at donut.c's size and shape, else exact
     #[default]
     Auto,
@@ -193,7 +193,7 @@ enum Method {
 }
 
 /// Sets the heading of an option in the help, and what all options have in common.
-fn set_heading(option: Arg) -> Arg {
+fn configure_option(option: Arg) -> Arg {
     let heading = match option.get_id().as_str() {
         "fps" | "frames" | "spin" | "a" | "b" => "Motion",
         "method" | "color" => "Look",
@@ -265,7 +265,7 @@ impl Options {
             Some(format!("--r2 must be {least} to {most} times --r1"))
         } else if ratio(self.k2, self.r1 + self.r2) < LEAST_DISTANCE {
             Some(format!("--k2 must be at least {LEAST_DISTANCE} times the sum of --r1 and --r2"))
-        } else if self.method == Method::Classic && (r2, k2) != (2.0, 5.0) {
+        } else if self.method == MethodOption::Classic && (r2, k2) != (2.0, 5.0) {
             Some("--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5".into())
         } else {
             None
@@ -321,8 +321,8 @@ fn run(options: &Options) -> io::Result<()> {
     let console = Console::open(options)?;
     let size = console.size()?;
     let view = options.view(size);
-    let clock = Clock { origin: [options.a, options.b], frames: 0, spin: options.spin };
-    let renderer = Renderer::new(view, clock.choose(options.method, &view), RAMP);
+    let clock = Clock { start: [options.a, options.b], ticks: 0, spin: options.spin };
+    let renderer = Renderer::new(view, choose_method(options.method, &view, &clock), RAMP);
     let deadline = Some(Instant::now());
     let mut animation =
         Animation { options, console: console.clone(), clock, renderer, size, drawn: 0, deadline };
@@ -340,7 +340,7 @@ impl Animation<'_> {
         let last = self.options.frames.unwrap_or(if console.is_dumb { 1 } else { u64::MAX });
         while self.drawn < last {
             let wait = self.deadline.map(|due| due.saturating_duration_since(Instant::now()));
-            console.wait_for_key(wait.unwrap_or(LOOK_AGAIN).min(LOOK_AGAIN))?;
+            console.wait(wait.unwrap_or(POLL_INTERVAL).min(POLL_INTERVAL))?;
             if console.end_signal.load(SeqCst) != 0 {
                 break;
             }
@@ -348,7 +348,7 @@ impl Animation<'_> {
             {
                 if console.is_suspending() || !console.is_in_foreground()? {
                     console.restore()?;
-                    thread::sleep(LOOK_AGAIN);
+                    thread::sleep(POLL_INTERVAL);
                     // A signal may have come by now. And the first process of a pid namespace cannot stop.
                     if console.is_suspending() && process::id() != 1 {
                         console.job_control.store(0, SeqCst);
@@ -398,7 +398,7 @@ impl Animation<'_> {
         if is_due && self.drawn > 0 {
             self.clock.tick(self.renderer.method);
         }
-        self.renderer.method = self.clock.choose(self.options.method, &self.renderer.view);
+        self.renderer.method = choose_method(self.options.method, &self.renderer.view, &self.clock);
         let [a, b] = self.clock.angles();
         self.renderer.render_frame(a, b);
         self.console.escapes.encode(&self.renderer, out);
@@ -414,17 +414,26 @@ impl Animation<'_> {
     }
 }
 
-/// The angles A and B, frame after frame: `origin + frames * spin`. `exact` counts the frames. `classic`
+/// The method that draws the picture at the clock's angles: this is where `auto` is decided.
+fn choose_method(option: MethodOption, view: &View, clock: &Clock) -> Method {
+    match option {
+        MethodOption::Auto if *view == View::DONUT_C && clock.floats_suffice() => Method::Classic,
+        MethodOption::Auto | MethodOption::Exact => Method::Exact,
+        MethodOption::Classic => Method::Classic,
+    }
+}
+
+/// The angles A and B, frame after frame: `start + ticks * spin`. `exact` counts the frames. `classic`
 /// sets the origin to donut.c's own sum, rounded to `float`.
 struct Clock {
-    origin: [f64; 2],
-    frames: u64,
+    start: [f64; 2],
+    ticks: u64,
     spin: [f64; 2],
 }
 
 impl Clock {
     fn angles(&self) -> [f64; 2] {
-        [0, 1].map(|i| self.origin[i] + self.frames as f64 * self.spin[i])
+        [0, 1].map(|i| self.start[i] + self.ticks as f64 * self.spin[i])
     }
 
     /// donut.c's next angles.
@@ -436,17 +445,8 @@ impl Clock {
     /// Goes on to the next frame's angles, after a frame that `method` has drawn.
     fn tick(&mut self, method: Method) {
         match method {
-            Method::Classic => (self.origin, self.frames) = (self.next_floats(), 0),
-            _ => self.frames += 1,
-        }
-    }
-
-    /// The method for the picture at these angles: this is where `auto` is decided.
-    fn choose(&self, method: Method, view: &View) -> Method {
-        match method {
-            Method::Auto if *view == View::DONUT_C && self.floats_suffice() => Method::Classic,
-            Method::Auto => Method::Exact,
-            chosen => chosen,
+            Method::Classic => (self.start, self.ticks) = (self.next_floats(), 0),
+            Method::Exact => self.ticks += 1,
         }
     }
 
@@ -518,6 +518,12 @@ fn glyph(ramp: &[u8; 12], luminance: f64) -> u8 {
     ramp[usize::from((8.0 * luminance) as u8).min(11)]
 }
 
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Method {
+    Classic,
+    Exact,
+}
+
 struct Renderer {
     view: View,
     method: Method,
@@ -528,14 +534,14 @@ struct Renderer {
     /// framebuffer, because donut.c's own view reaches below the picture.
     zbuffer: Vec<f32>,
     /// The sines and the cosines of theta and of phi. Only `classic` makes these tables, which can be long.
-    circles: Option<[(Vec<f32>, Vec<f32>); 2]>,
+    tables: Option<[(Vec<f32>, Vec<f32>); 2]>,
 }
 
 impl Renderer {
     fn new(view: View, method: Method, ramp: &'static [u8; 12]) -> Renderer {
         let View { width, height, .. } = view;
         let (framebuffer, zbuffer) = (vec![b' '; width * height], vec![0.0; width * (height + 2)]);
-        Renderer { view, method, ramp, framebuffer, zbuffer, circles: None }
+        Renderer { view, method, ramp, framebuffer, zbuffer, tables: None }
     }
 
     /// Draws the donut, turned by the angles A and B, into the framebuffer.
@@ -543,7 +549,7 @@ impl Renderer {
         self.framebuffer.fill(b' ');
         match self.method {
             Method::Classic => self.splat(a as f32, b as f32),
-            _ => self.trace(a, b),
+            Method::Exact => self.trace(a, b),
         }
     }
 
@@ -556,7 +562,7 @@ impl Renderer {
         let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
         let ((sin_a, cos_a), (sin_b, cos_b)) = (sin_cos(a), sin_cos(b));
         let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] =
-            self.circles.get_or_insert_with(|| spacings(&self.view).map(circle));
+            self.tables.get_or_insert_with(|| angle_steps(&self.view).map(trig_table));
         // Infinity keeps row 0, column 0 and the rows below the picture blank: no 1/z exceeds it.
         self.zbuffer.fill(f32::INFINITY);
         for row in self.zbuffer[..self.framebuffer.len()].chunks_exact_mut(width).skip(1) {
@@ -609,7 +615,7 @@ impl Renderer {
                 let hits = torus.first_hits(&rays);
                 for (i, cell) in cells[column..end].iter_mut().take(LANES).enumerate() {
                     if hits[i] < MISS {
-                        *cell = glyph(self.ramp, torus.luminance(&rays, i, hits[i]) + HAIR);
+                        *cell = glyph(self.ramp, torus.luminance(&rays, i, hits[i]) + TIE_BIAS);
                     }
                 }
             }
@@ -621,13 +627,13 @@ impl Renderer {
 
 /// donut.c's steps of theta and phi, or proportionally smaller ones for a larger picture. Where the
 /// donut is nearest, samples are then about a cell apart, as in donut.c. Larger steps would leave gaps.
-fn spacings(view: &View) -> [f64; 2] {
+fn angle_steps(view: &View) -> [f64; 2] {
     let shrink = f64::min(1.0, View::DONUT_C.k1x / view.k1x.max(view.k1y));
     [0.07 * shrink, 0.02 * shrink]
 }
 
 /// The angles round a circle, summed as in donut.c: their sines and their cosines.
-fn circle(step: f64) -> (Vec<f32>, Vec<f32>) {
+fn trig_table(step: f64) -> (Vec<f32>, Vec<f32>) {
     let angles = std::iter::successors(Some(0.0), |&angle| Some(advance(angle, step)));
     // donut.c stops at 6.28. That is the same at its own steps, but leaves a gap at smaller ones.
     angles.take_while(|&angle| f64::from(angle) < TAU).map(sin_cos).unzip()
@@ -669,7 +675,7 @@ const LAST_STEP: f64 = 1e-8;
 const MOST_STEPS: usize = 100;
 /// Added to each luminance, too little to be seen. Where 8 L is a whole number, as it may be in symmetric
 /// poses, all machines then choose the brighter of two glyphs, however they round.
-const HAIR: f64 = 1e-12;
+const TIE_BIAS: f64 = 1e-12;
 
 /// The donut of one frame, as a ray meets it.
 ///
@@ -826,7 +832,7 @@ impl Torus {
 // ---- Terminal ------------------------------------------------------------------------------------
 
 /// How often the loop checks the terminal's size, and whether it may use the terminal.
-const LOOK_AGAIN: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// What is written to enter, clear and leave the terminal, and to begin a frame, begin a row, end a frame.
 struct Escapes {
@@ -1041,7 +1047,7 @@ impl Console {
     }
 
     /// Waits until a key is pressed, but for `time` at most. False if none was.
-    fn wait_for_key(&self, time: Duration) -> io::Result<bool> {
+    fn wait(&self, time: Duration) -> io::Result<bool> {
         match &self.tty {
             #[cfg(unix)]
             Some(tty) if self.is_entered.load(SeqCst) => {
@@ -1063,7 +1069,7 @@ impl Console {
     #[cfg(windows)]
     fn keys(&self) -> io::Result<Vec<u8>> {
         let mut keys = Vec::new();
-        while self.wait_for_key(Duration::ZERO)? {
+        while self.wait(Duration::ZERO)? {
             let key = event::read()?.as_key_press_event().filter(|key| key.modifiers.is_empty());
             keys.extend(key.and_then(|key| match key.code {
                 KeyCode::Esc => Some(b'\x1b'),
@@ -1081,7 +1087,7 @@ impl Console {
     /// 50 ms of it, belongs to it. An ESC alone is the Esc key.
     fn keys(&self) -> io::Result<Vec<u8>> {
         let mut tty = match &self.tty {
-            Some(tty) if self.wait_for_key(Duration::ZERO)? => tty,
+            Some(tty) if self.wait(Duration::ZERO)? => tty,
             _ => return Ok(Vec::new()),
         };
         let mut bytes = [0; 4096]; // One read returns no more.
@@ -1094,7 +1100,7 @@ impl Console {
             keys.truncate(escape);
             if is_last {
                 thread::sleep(Duration::from_millis(50));
-                let is_alone = !self.wait_for_key(Duration::ZERO)? || tty.read(&mut bytes)? == 0;
+                let is_alone = !self.wait(Duration::ZERO)? || tty.read(&mut bytes)? == 0;
                 keys.extend(is_alone.then_some(b'\x1b'));
             }
         }

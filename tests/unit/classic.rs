@@ -26,7 +26,7 @@ fn exact_barely_flickers_where_classic_shimmers() {
 /// Draws as `classic` does, with these steps of theta and phi.
 pub fn with_steps(view: View, theta: f64, phi: f64) -> Renderer {
     let mut renderer = renderer(view, Method::Classic);
-    renderer.circles = Some([circle(theta), circle(phi)]);
+    renderer.tables = Some([trig_table(theta), trig_table(phi)]);
     renderer
 }
 
@@ -97,7 +97,7 @@ fn products_of_the_luminance_are_multiplied_in_donut_cs_order() {
 #[test]
 fn steps_of_any_size_go_once_round_the_circle() {
     for step in [0.07, 0.02, 0.01, 0.001, 0.0001] {
-        let (sin, cos) = circle(step);
+        let (sin, cos) = trig_table(step);
         // What is left from the last angle to the first is at most a step, up to rounding.
         let left = f64::from(-sin.last().unwrap()).atan2((*cos.last().unwrap()).into());
         assert!(left > 0.0 && left < 1.01 * step, "{step}: {left}");

@@ -28,7 +28,7 @@ pub fn trace_with<const N: usize>(
             for ((cells, rays), hits) in blocks {
                 for (i, cell) in cells.iter_mut().enumerate() {
                     if hits[i] < MISS {
-                        *cell = glyph(RAMP, torus.luminance(rays, i, hits[i]) + HAIR);
+                        *cell = glyph(RAMP, torus.luminance(rays, i, hits[i]) + TIE_BIAS);
                     }
                 }
             }
