@@ -81,15 +81,17 @@ use {
 };
 #[cfg(unix)]
 use {
-    filedescriptor::{POLLIN, poll, pollfd},
+    filedescriptor::{POLLIN, POLLOUT, poll, pollfd},
+    rustix::fs::{self, Mode, OFlags},
     rustix::io::Errno,
-    rustix::process::{getpgrp, getsid},
-    rustix::termios::{self, Action, LocalModes, OptionalActions, QueueSelector, Termios},
-    signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGSTOP, SIGTERM, SIGTSTP},
+    rustix::process::{Signal, getpgrp, kill_current_process_group},
+    rustix::termios::{
+        self, Action, LocalModes, OptionalActions, QueueSelector, SpecialCodeIndex, Termios,
+    },
+    signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTERM},
     signal_hook::{flag, low_level},
     std::io::Read,
     std::os::fd::{AsFd, AsRawFd},
-    std::os::unix::net::UnixStream,
     std::sync::Mutex,
 };
 
@@ -278,7 +280,8 @@ impl Options {
             None => (self.width.unwrap_or(80), self.height.unwrap_or(22)),
             Some((columns, rows)) => {
                 // One row stays free above the picture, and one below it.
-                let rows = rows.saturating_sub(2).max(1);
+                let most = *SIZES.0.end();
+                let (columns, rows) = (columns.min(most), rows.saturating_sub(2).clamp(1, most));
                 (self.width.unwrap_or(columns).min(columns), self.height.unwrap_or(rows).min(rows))
             }
         };
@@ -307,13 +310,15 @@ fn main() -> ExitCode {
 struct Animation<'a> {
     options: &'a Options,
     console: Arc<Console>,
-    clock: Clock,
-    renderer: Renderer,
     /// The terminal's columns and rows when the renderer was made; `None` in a pipe.
     size: Option<(u16, u16)>,
+    clock: Clock,
+    renderer: Renderer,
+    /// How many frames have been drawn.
     drawn: u64,
-    /// When the next frame is due; `None` while the donut is paused.
-    deadline: Option<Instant>,
+    /// When the next frame is due, unless the donut is paused.
+    deadline: Instant,
+    is_paused: bool,
 }
 
 /// Spins the donut until the last frame is drawn, somebody ends it, or its reader goes away.
@@ -323,94 +328,92 @@ fn run(options: &Options) -> io::Result<()> {
     let view = options.view(size);
     let clock = Clock { start: [options.a, options.b], ticks: 0, spin: options.spin };
     let renderer = Renderer::new(view, choose_method(options.method, &view, &clock), RAMP);
-    let deadline = Some(Instant::now());
-    let mut animation =
-        Animation { options, console: console.clone(), clock, renderer, size, drawn: 0, deadline };
+    let mut animation = Animation {
+        options,
+        console: console.clone(),
+        size,
+        clock,
+        renderer,
+        drawn: 0,
+        deadline: Instant::now(),
+        is_paused: false,
+    };
     let (played, restored) = (animation.play(), console.restore());
     console.end_by_signal();
     played.and(restored)
 }
 
 impl Animation<'_> {
-    /// donut.c's `for (;;)`. A round waits for a key or for the next frame. Then it quits, suspends, or stays
-    /// in the background, if it must. If not, it enters the terminal, fits its size, obeys keys and draws.
     fn play(&mut self) -> io::Result<()> {
         let console = self.console.clone();
         // On a dumb terminal further frames would only scroll by.
         let last = self.options.frames.unwrap_or(if console.is_dumb { 1 } else { u64::MAX });
-        while self.drawn < last {
-            let wait = self.deadline.map(|due| due.saturating_duration_since(Instant::now()));
-            console.wait(wait.unwrap_or(POLL_INTERVAL).min(POLL_INTERVAL))?;
+        'rounds: while self.drawn < last {
+            let until_due = self.deadline.saturating_duration_since(Instant::now());
+            let time = if self.is_paused { POLL_INTERVAL } else { until_due.min(POLL_INTERVAL) };
+            console.wait(time)?;
             if console.end_signal.load(SeqCst) != 0 {
                 break;
             }
-            #[cfg(unix)] // Windows has no job control.
-            {
-                if console.is_suspending() || !console.is_in_foreground()? {
-                    console.restore()?;
-                    thread::sleep(POLL_INTERVAL);
-                    // A signal may have come by now. And the first process of a pid namespace cannot stop.
-                    if console.is_suspending() && process::id() != 1 {
-                        console.job_control.store(0, SeqCst);
-                        low_level::raise(SIGSTOP)?;
-                    }
-                    continue;
-                }
-                if console.job_control.load(SeqCst) == SIGCONT as usize {
-                    console.restore()?; // Another program may have used the terminal: enter it anew.
-                }
+            if !console.may_use_terminal()? {
+                thread::sleep(POLL_INTERVAL);
+                continue;
             }
-            let (mut out, mut redraw) = (Vec::new(), !console.is_entered.load(SeqCst));
-            if redraw {
-                console.enter(&mut out)?;
-            }
+            let mut redraw = console.enter()?;
             let size = console.size()?;
             if size != self.size {
                 let view = self.options.view(size);
                 self.renderer = Renderer::new(view, self.renderer.method, self.renderer.ramp);
                 self.size = size;
-                out.extend_from_slice(console.escapes.clear.as_bytes());
+                console.write(console.escapes.clear.as_bytes())?;
                 redraw = true;
             }
             for key in console.keys()? {
                 match key {
-                    b'q' | b'\x1b' => return console.write(&out), // `leave` needs `enter`.
-                    b'p' if self.deadline.is_some() => self.deadline = None,
-                    b'p' => self.deadline = Some(Instant::now()),
+                    b'q' | ESCAPE => return Ok(()),
+                    b'p' => self.is_paused = !self.is_paused,
                     b' ' => {
                         self.renderer.ramp = if self.renderer.ramp == RAMP { FLAT } else { RAMP };
                         redraw = true;
                     }
+                    #[cfg(unix)]
+                    CTRL_Z => {
+                        console.suspend()?;
+                        continue 'rounds;
+                    }
                     _ => {}
                 }
             }
-            let is_due = self.deadline.is_some_and(|deadline| deadline <= Instant::now());
-            if is_due || redraw {
-                self.draw(is_due, &mut out);
+            let is_due = !self.is_paused && self.deadline <= Instant::now();
+            if is_due {
+                self.advance();
             }
-            console.write(&out)?;
+            if is_due || redraw {
+                self.draw()?;
+            }
         }
         Ok(())
     }
 
-    /// Draws the next frame if it is due, or else the last one again.
-    fn draw(&mut self, is_due: bool, out: &mut Vec<u8>) {
-        if is_due && self.drawn > 0 {
+    /// Goes on to the next frame, or to the first, and says when the one after it is due.
+    fn advance(&mut self) {
+        if self.drawn > 0 {
             self.clock.tick(self.renderer.method);
         }
-        self.renderer.method = choose_method(self.options.method, &self.renderer.view, &self.clock);
+        self.drawn += 1;
+        let fps = self.options.fps;
+        // A Duration cannot hold 1 / fps for the smallest fps. 1e9 seconds are nearly 32 years.
+        let seconds = if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 };
+        let next = self.deadline + Duration::from_secs_f64(seconds);
+        self.deadline = next.max(Instant::now());
+    }
+
+    fn draw(&mut self) -> io::Result<()> {
+        let renderer = &mut self.renderer;
+        renderer.method = choose_method(self.options.method, &renderer.view, &self.clock);
         let [a, b] = self.clock.angles();
-        self.renderer.render_frame(a, b);
-        self.console.escapes.encode(&self.renderer, out);
-        if is_due {
-            self.drawn += 1;
-            // 1e9 s, or 31 years, is enough; more may not fit into a Duration.
-            let fps = self.options.fps;
-            let seconds = if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 };
-            let interval = Duration::from_secs_f64(seconds);
-            // Each deadline counts from the last, so they do not drift. A missed one becomes now.
-            self.deadline = self.deadline.map(|last| (last + interval).max(Instant::now()));
-        }
+        renderer.render_frame(a, b);
+        self.console.write(&self.console.escapes.encode(renderer))
     }
 }
 
@@ -831,56 +834,73 @@ impl Torus {
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-/// How often the loop checks the terminal's size, and whether it may use the terminal.
+/// The longest time between two looks at the terminal's size, and whether the donut may use the terminal.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
-/// What is written to enter, clear and leave the terminal, and to begin a frame, begin a row, end a frame.
+/// The number of the signal that Ctrl-C sends.
+const CTRL_C: usize = 2;
+const ESCAPE: u8 = 0x1b;
+#[cfg(unix)]
+const CTRL_Z: u8 = 0x1a;
+
+/// What is written besides the glyphs.
 struct Escapes {
     enter: &'static str,
     clear: &'static str,
-    frame: [String; 3],
+    begin_frame: &'static str,
+    begin_row: &'static str,
+    end_frame: &'static str,
     leave: &'static str,
+    color: Option<Color>,
 }
 
 impl Escapes {
-    fn new(is_terminal: bool, is_dumb: bool, options: &Options) -> Escapes {
-        // Mode 25 is the cursor, 1049 the alternate screen, and 2026 a synchronised update, which hides
-        // half-drawn frames. In raw mode a newline needs its \r.
-        let synchronised = ["\x1b[?2026h\x1b[H", "\r\n", "\x1b[?2026l"];
-        let (enter, [begin, newline, end], leave) = if is_dumb {
-            ("", ["", "\n", "\n"], "")
-        } else if !is_terminal {
-            ("\x1b[2J", ["\x1b[H", "\n", "\n"], "") // donut.c's own bytes.
-        } else if options.frames.is_some() {
-            ("\x1b[?25l\x1b[2J", synchronised, "\x1b[?2026l\x1b[0m\x1b[?25h\r\n")
-        } else {
-            let leave = "\x1b[?2026l\x1b[0m\x1b[?25h\r\n\x1b[?1049l";
-            ("\x1b[?1049h\x1b[?25l\x1b[2J", synchronised, leave)
-        };
-        // The option is explicit, so it overrides NO_COLOR.
-        style::force_color_output(true);
-        let color = options.color.filter(|_| !is_dumb).map(SetForegroundColor);
-        let (set, reset) = color.map(|color| (color.to_string(), "\x1b[0m")).unwrap_or_default();
-        let frame = [begin.to_owned() + &set, newline.to_owned(), end.to_owned() + reset];
-        Escapes { enter, clear: if is_dumb { "" } else { "\x1b[2J" }, frame, leave }
-    }
+    const PIPE: Escapes = Escapes {
+        enter: "\x1b[2J",
+        clear: "",
+        begin_frame: "\x1b[H",
+        begin_row: "\n",
+        end_frame: "\n",
+        leave: "",
+        color: None,
+    };
+    const DUMB: Escapes = Escapes { enter: "", begin_frame: "", ..Escapes::PIPE };
+    const IN_PLACE: Escapes = Escapes {
+        enter: "\x1b[?25l\x1b[2J",
+        clear: "\x1b[2J",
+        begin_frame: "\x1b[?2026h\x1b[H",
+        begin_row: "\r\n",
+        end_frame: "\x1b[?2026l",
+        leave: "\x1b[?2026l\x1b[0m\x1b[?25h\r\n",
+        color: None,
+    };
+    const FULL_SCREEN: Escapes = Escapes {
+        enter: "\x1b[?1049h\x1b[?25l\x1b[2J",
+        leave: "\x1b[?2026l\x1b[0m\x1b[?25h\r\n\x1b[?1049l",
+        ..Escapes::IN_PLACE
+    };
 
-    fn encode(&self, renderer: &Renderer, out: &mut Vec<u8>) {
-        let [begin, newline, end] = self.frame.each_ref().map(String::as_bytes);
-        out.extend_from_slice(begin);
+    /// A whole frame: what the renderer has drawn, as bytes for the terminal.
+    fn encode(&self, renderer: &Renderer) -> Vec<u8> {
+        let mut out = self.begin_frame.as_bytes().to_vec();
+        if let Some(color) = self.color {
+            out.extend_from_slice(SetForegroundColor(color).to_string().as_bytes());
+        }
         for row in renderer.framebuffer.chunks_exact(renderer.view.width) {
             // The newline stands for column 0, which stays empty.
-            out.extend_from_slice(newline);
+            out.extend_from_slice(self.begin_row.as_bytes());
             out.extend_from_slice(&row[1..]);
         }
-        out.extend_from_slice(end);
+        out.extend_from_slice(self.end_frame.as_bytes());
+        if self.color.is_some() {
+            out.extend_from_slice(b"\x1b[0m");
+        }
+        out
     }
 }
 
-/// Standard output and, if that is a terminal, its keys, signals and settings. The donut enters it in the
-/// foreground, and restores it on Ctrl-Z, on losing the foreground, at the end, and on a panic.
 struct Console {
-    /// Standard output, without a buffer.
+    /// Standard output, without a buffer. A terminal's does not block.
     stdout: File,
     is_terminal: bool,
     /// Whether TERM is dumb: no escape codes and no keys.
@@ -892,9 +912,9 @@ struct Console {
     is_entered: AtomicBool,
     /// The signal that ends the donut, or 0. Set by its handler, never cleared.
     end_signal: Arc<AtomicUsize>,
-    /// SIGTSTP or SIGCONT, whichever came last, or 0. Set by their handlers, cleared by `play` and `enter`.
+    /// Whether the donut was continued since ... Set by SIGCONT's handler.
     #[cfg(unix)]
-    job_control: Arc<AtomicUsize>,
+    was_continued: Arc<AtomicBool>,
     /// The settings of `tty` when the donut entered. Set by `enter`, cleared when they are given back.
     #[cfg(unix)]
     settings: Mutex<Option<Termios>>,
@@ -904,21 +924,27 @@ impl Console {
     fn open(options: &Options) -> io::Result<Arc<Console>> {
         let is_terminal = io::stdout().is_terminal();
         let is_dumb = is_terminal && env::var_os("TERM").is_some_and(|term| term == "dumb");
+        let color = options.color;
+        let escapes = match (is_terminal, is_dumb, options.frames) {
+            (false, ..) => Escapes { color, ..Escapes::PIPE },
+            (_, true, _) => Escapes::DUMB,
+            (_, _, Some(_)) => Escapes { color, ..Escapes::IN_PLACE },
+            (_, _, None) => Escapes { color, ..Escapes::FULL_SCREEN },
+        };
+        // The option is explicit, so it overrides NO_COLOR.
+        style::force_color_output(true);
         #[cfg(windows)]
         crossterm::ansi_support::supports_ansi(); // Asking turns on the console's escape codes.
         let console = Arc::new(Console {
-            #[cfg(unix)]
-            stdout: io::stdout().as_fd().try_clone_to_owned()?.into(),
-            #[cfg(windows)]
-            stdout: io::stdout().as_handle().try_clone_to_owned()?.into(),
+            stdout: open_stdout(is_terminal)?,
             is_terminal,
             is_dumb,
-            escapes: Escapes::new(is_terminal, is_dumb, options),
+            escapes,
             tty: if is_terminal && !is_dumb { open_tty() } else { None },
             is_entered: AtomicBool::new(false),
             end_signal: Arc::default(),
             #[cfg(unix)]
-            job_control: Arc::default(),
+            was_continued: Arc::default(),
             #[cfg(unix)]
             settings: Mutex::default(),
         });
@@ -935,102 +961,83 @@ impl Console {
             let _ = console.restore();
             previous_hook(info);
         }));
-        let console = self.clone();
-        ctrlc::set_handler(move || console.end_if_stuck()).map_err(io::Error::other)?;
+        // ctrlc cannot tell signals apart, and leaves out SIGQUIT. So signal-hook's handlers come on top of its
+        // own, and store which signal came. One that comes before they are there counts as Ctrl-C's, number 2.
+        let end_signal = self.end_signal.clone();
+        let count_as_ctrl_c = move || {
+            let _ = end_signal.compare_exchange(0, CTRL_C, SeqCst, SeqCst);
+        };
+        ctrlc::set_handler(count_as_ctrl_c).map_err(io::Error::other)?;
         #[cfg(unix)]
         {
-            // These go on to ctrlc's handler, which cannot tell signals apart and leaves out SIGQUIT.
             for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
                 flag::register_usize(signal, self.end_signal.clone(), signal as usize)?;
             }
-            let (console, (mut quits, sender)) = (self.clone(), UnixStream::pair()?);
-            low_level::pipe::register(SIGQUIT, sender)?;
-            thread::spawn(move || quits.read_exact(&mut [0]).map(|()| console.end_if_stuck()));
-            for signal in [SIGTSTP, SIGCONT] {
-                flag::register_usize(signal, self.job_control.clone(), signal as usize)?;
-            }
+            flag::register(SIGCONT, self.was_continued.clone())?;
         }
         Ok(())
-    }
-
-    /// After a signal, the loop has two seconds to end the program. If a terminal that has stopped reading
-    /// blocks it, this ends the program, within four seconds in all.
-    fn end_if_stuck(&self) {
-        #[cfg(windows)]
-        self.end_signal.store(1, SeqCst);
-        thread::sleep(Duration::from_secs(2));
-        #[cfg(unix)]
-        {
-            // Dropping the unread output makes room for the blocked write, which may not fit at once.
-            let start = Instant::now();
-            while start.elapsed().as_secs() < 1
-                && self.is_in_foreground().unwrap_or(false)
-                && self.is_entered.load(SeqCst)
-            {
-                // Linux wakes the write only when output is stopped and started again.
-                let _ = termios::tcflush(&self.stdout, QueueSelector::OFlush);
-                let _ = termios::tcflow(&self.stdout, Action::OOff);
-                let _ = termios::tcflow(&self.stdout, Action::OOn);
-                thread::sleep(Duration::from_millis(2));
-            }
-            let _ = self.restore_settings();
-        }
-        self.end_by_signal();
     }
 
     /// Ends the program by the signal that came, if one did, so that shells see which.
     fn end_by_signal(&self) {
-        let signal = self.end_signal.load(SeqCst);
-        if signal != 0 {
-            // A signal cannot end the first process of a pid namespace, as in a container.
-            #[cfg(unix)]
-            let _ = (process::id() != 1).then(|| low_level::emulate_default_handler(signal as i32));
-            process::exit(128 + signal as i32)
+        let signal = self.end_signal.load(SeqCst) as i32;
+        if signal == 0 {
+            return;
         }
+        // A signal cannot end the first process of a pid namespace, as in a container.
+        #[cfg(unix)]
+        if process::id() != 1 {
+            let _ = low_level::emulate_default_handler(signal);
+        }
+        process::exit(128 + signal)
     }
 
-    /// On Unix, makes the terminal raw. Puts what prepares its screen into `out`.
-    fn enter(&self, out: &mut Vec<u8>) -> io::Result<()> {
-        self.is_entered.store(true, SeqCst);
-        #[cfg(unix)]
-        let _ = self.job_control.compare_exchange(SIGCONT as usize, 0, SeqCst, SeqCst);
+    /// Enters the terminal, unless the donut has. True if it had not.
+    fn enter(&self) -> io::Result<bool> {
+        if self.is_entered.swap(true, SeqCst) {
+            return Ok(false);
+        }
         #[cfg(unix)]
         if let Some(tty) = &self.tty {
-            // They are still stored if the donut lost the foreground before it could give them back.
             let mut settings = self.settings.lock().unwrap();
-            let before = settings.take().map_or_else(|| termios::tcgetattr(tty), Ok)?;
+            let before = match settings.take() {
+                // The donut lost the foreground before it could give them back.
+                Some(before) => before,
+                None => termios::tcgetattr(tty)?,
+            };
             let mut raw = settings.insert(before).clone();
             raw.make_raw();
-            raw.local_modes.insert(LocalModes::ISIG); // Ctrl-C, Ctrl-Z and Ctrl-\ stay signals.
+            raw.local_modes.insert(LocalModes::ISIG); // Ctrl-C and Ctrl-\ stay signals.
+            raw.special_codes[SpecialCodeIndex::VSUSP] = NO_KEY; // Ctrl-Z does not.
             termios::tcsetattr(tty, OptionalActions::Now, &raw)?;
         }
-        out.extend_from_slice(self.escapes.enter.as_bytes());
-        Ok(())
+        self.write(self.escapes.enter.as_bytes())?;
+        Ok(true)
     }
 
     /// Leaves the terminal as it was found, if the donut has entered it.
     fn restore(&self) -> io::Result<()> {
-        if !self.is_entered.load(SeqCst) {
+        if !self.is_entered.swap(false, SeqCst) {
             return Ok(());
         }
         let written = self.write(self.escapes.leave.as_bytes());
-        self.is_entered.store(false, SeqCst);
         // The terminal of the picture may be gone while that of the keys is still there.
         #[cfg(unix)]
-        self.restore_settings()?;
+        if let (Some(tty), true) = (&self.tty, self.is_in_foreground()) {
+            if let Some(settings) = self.settings.lock().unwrap().take() {
+                termios::tcsetattr(tty, OptionalActions::Now, &settings)?;
+            }
+        }
         written
     }
 
     fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
         while !bytes.is_empty() {
             match (&self.stdout).write(bytes) {
-                Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
                 Ok(count) => bytes = &bytes[count..],
-                Err(error) => match error.kind() {
-                    // A program that shares the terminal or the pipe has made it nonblocking.
-                    io::ErrorKind::WouldBlock => thread::sleep(Duration::from_millis(10)),
-                    _ => return Err(error),
-                },
+                #[cfg(unix)]
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => self.wait_for_room()?,
+                Err(error) => return Err(error),
             }
         }
         Ok(())
@@ -1046,16 +1053,26 @@ impl Console {
         Ok(if self.is_terminal { Some(or_default(size()?)) } else { None })
     }
 
+    /// Whether the donut may use the terminal. In the background it may not, and leaves it.
+    fn may_use_terminal(&self) -> io::Result<bool> {
+        #[cfg(unix)]
+        {
+            let is_in_foreground = self.is_in_foreground();
+            // After a stop, another program may have used the terminal: the donut has to enter it anew.
+            if self.was_continued.swap(false, SeqCst) || !is_in_foreground {
+                self.restore()?;
+            }
+            Ok(is_in_foreground)
+        }
+        #[cfg(windows)] // Windows has no job control.
+        Ok(true)
+    }
+
     /// Waits until a key is pressed, but for `time` at most. False if none was.
     fn wait(&self, time: Duration) -> io::Result<bool> {
         match &self.tty {
             #[cfg(unix)]
-            Some(tty) if self.is_entered.load(SeqCst) => {
-                let mut keys = [pollfd { fd: tty.as_raw_fd(), events: POLLIN, revents: 0 }];
-                // `poll` counts whole milliseconds and drops the rest. A signal ends it with an error.
-                let pressed = poll(&mut keys, Some(time + Duration::from_micros(999)));
-                Ok(pressed.is_ok_and(|count| count > 0))
-            }
+            Some(tty) if self.is_entered.load(SeqCst) => Ok(is_ready(tty, POLLIN, time)),
             #[cfg(windows)]
             Some(_) => event::poll(time),
             _ => {
@@ -1072,7 +1089,7 @@ impl Console {
         while self.wait(Duration::ZERO)? {
             let key = event::read()?.as_key_press_event().filter(|key| key.modifiers.is_empty());
             keys.extend(key.and_then(|key| match key.code {
-                KeyCode::Esc => Some(b'\x1b'),
+                KeyCode::Esc => Some(ESCAPE),
                 code => code.as_char()?.try_into().ok(),
             }));
         }
@@ -1082,9 +1099,7 @@ impl Console {
 
 #[cfg(unix)]
 impl Console {
-    /// The keys that were pressed, of those that are a single byte. Other keys send ESC and more, and so
-    /// does a terminal that replies to an earlier program. What comes together with an ESC, or within
-    /// 50 ms of it, belongs to it. An ESC alone is the Esc key.
+    /// The keys that were pressed, of those that are a single byte.
     fn keys(&self) -> io::Result<Vec<u8>> {
         let mut tty = match &self.tty {
             Some(tty) if self.wait(Duration::ZERO)? => tty,
@@ -1095,49 +1110,81 @@ impl Console {
             0 => return Err(Errno::IO.into()), // It is gone.
             count => bytes[..count].to_vec(),
         };
-        if let Some(escape) = keys.iter().position(|&key| key == b'\x1b') {
-            let is_last = escape + 1 == keys.len();
-            keys.truncate(escape);
-            if is_last {
-                thread::sleep(Duration::from_millis(50));
-                let is_alone = !self.wait(Duration::ZERO)? || tty.read(&mut bytes)? == 0;
-                keys.extend(is_alone.then_some(b'\x1b'));
+        if let Some(escape) = keys.iter().position(|&key| key == ESCAPE) {
+            let mut code = keys.split_off(escape);
+            thread::sleep(Duration::from_millis(50));
+            if self.wait(Duration::ZERO)? {
+                let count = tty.read(&mut bytes)?;
+                code.extend_from_slice(&bytes[..count]);
+            }
+            if code.iter().all(|&byte| byte == ESCAPE) {
+                keys.push(ESCAPE);
             }
         }
         Ok(keys)
     }
 
-    /// Whether the donut may use the terminal. In the background, reading from it or changing its settings
-    /// would stop the program. Then `timeout` and `kill %1` could not end it: they signal and wake it, but it
-    /// would catch the signal, use the terminal, and be stopped again.
-    fn is_in_foreground(&self) -> io::Result<bool> {
-        match self.tty.as_ref().map(termios::tcgetpgrp) {
-            Some(Ok(foreground)) => Ok(foreground == getpgrp()),
-            Some(Err(Errno::IO)) => Err(Errno::IO.into()), // The terminal is gone.
-            // The terminal controls no session, or another one, or jobs in another pid namespace.
-            Some(Err(_)) | None => Ok(true),
-        }
+    /// Whether the donut is in the foreground.
+    fn is_in_foreground(&self) -> bool {
+        // Where this fails, no other job ...
+        let foreground = self.tty.as_ref().map(termios::tcgetpgrp);
+        foreground.is_none_or(|group| group.is_err() || group == Ok(getpgrp()))
     }
 
-    /// Whether Ctrl-Z was pressed, a shell can continue the donut, and no signal ends it.
-    fn is_suspending(&self) -> bool {
-        // A session's first job has no shell. In another pid namespace (OPNOTSUPP), assume that there is one.
-        self.job_control.load(SeqCst) == SIGTSTP as usize
-            && self.end_signal.load(SeqCst) == 0
-            && (self.tty.as_ref().map(termios::tcgetpgrp) == Some(Err(Errno::OPNOTSUPP))
-                || getsid(None) != Ok(getpgrp()))
+    fn suspend(&self) -> io::Result<()> {
+        if process::id() == 1 {
+            return Ok(());
+        }
+        self.restore()?;
+        Ok(kill_current_process_group(Signal::TSTP)?)
     }
 
-    /// Gives `tty` its settings back, unless the donut is in the background.
-    fn restore_settings(&self) -> io::Result<()> {
-        if self.is_in_foreground()? {
-            let settings = self.settings.lock().unwrap().take();
-            if let (Some(tty), Some(settings)) = (&self.tty, settings) {
-                termios::tcsetattr(tty, OptionalActions::Now, &settings)?;
-            }
+    fn wait_for_room(&self) -> io::Result<()> {
+        if self.end_signal.load(SeqCst) == 0 {
+            is_ready(&self.stdout, POLLOUT, POLL_INTERVAL);
+            return Ok(());
         }
-        Ok(())
+        if self.is_in_foreground() {
+            let _ = termios::tcflush(&self.stdout, QueueSelector::OFlush);
+            let _ = termios::tcflow(&self.stdout, Action::OOff);
+            let _ = termios::tcflow(&self.stdout, Action::OOn);
+        }
+        Err(io::ErrorKind::WouldBlock.into())
     }
+}
+
+/// Waits until the file can be read or written, but for `time` at most.
+#[cfg(unix)]
+fn is_ready(file: &File, events: i16, time: Duration) -> bool {
+    let mut files = [pollfd { fd: file.as_raw_fd(), events, revents: 0 }];
+    // `poll` counts whole milliseconds and drops the rest. A signal ends it with an error.
+    let ready = poll(&mut files, Some(time + Duration::from_micros(999)));
+    ready.is_ok_and(|count| count > 0)
+}
+
+/// What _POSIX_VDISABLE is.
+#[cfg(unix)]
+const NO_KEY: u8 = if cfg!(any(target_os = "linux", target_os = "android")) { 0 } else { 0xff };
+
+#[cfg(unix)]
+fn open_stdout(is_terminal: bool) -> io::Result<File> {
+    let stdout = io::stdout();
+    if is_terminal {
+        let path = match termios::tcgetpgrp(&stdout) {
+            Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new())?,
+            _ => c"/dev/tty".into(),
+        };
+        let flags = OFlags::WRONLY | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        if let Ok(terminal) = fs::open(path, flags, Mode::empty()) {
+            return Ok(terminal.into());
+        }
+    }
+    Ok(stdout.as_fd().try_clone_to_owned()?.into())
+}
+
+#[cfg(windows)]
+fn open_stdout(_: bool) -> io::Result<File> {
+    Ok(io::stdout().as_handle().try_clone_to_owned()?.into())
 }
 
 /// The terminal that the program was started from, whatever standard input is.

@@ -237,16 +237,23 @@ impl Pty {
         self.child.try_wait().unwrap().is_none()
     }
 
-    /// Waits for the program to end, and returns what a shell would call its exit code.
+    /// Waits for the program to end and for all that it wrote. Returns what a shell would call its exit code.
     #[track_caller]
     pub fn exit(&mut self) -> u32 {
+        let code = self.exit_code();
+        // What the program wrote last is still on its way.
+        thread::sleep(Duration::from_millis(100));
+        code
+    }
+
+    /// Waits for the program to end. Returns what a shell would call its exit code.
+    #[track_caller]
+    pub fn exit_code(&mut self) -> u32 {
         let start = Instant::now();
         while self.is_running() {
             assert!(start.elapsed() < PATIENCE, "it goes on");
-            thread::sleep(Duration::from_millis(5));
+            thread::sleep(Duration::from_millis(1));
         }
-        // What it wrote last is still on its way.
-        thread::sleep(Duration::from_millis(100));
         let status = self.child.wait().unwrap();
         let signals = [("Hangup", 129), ("Interrupt", 130), ("Quit", 131), ("Terminated", 143)];
         status.signal().map_or(status.exit_code(), |name| {
