@@ -1,16 +1,23 @@
-//! donut.c, Andy Sloane's spinning ASCII torus of 2006, in Rust. At donut.c's own size, 80x22, it draws
-//! the same picture, byte for byte. At any other size there is no original to match, and it ray-traces
-//! every cell exactly.
+//! donut.c, Andy Sloane's spinning ASCII torus of 2006, in Rust.
+//!
+//! donut.c fills a terminal of 80 columns and 24 rows with a picture of 80 by 22 characters. At that size
+//! this program draws the same picture, byte for byte. A picture of any other size has no original that
+//! it could match. Unless an option says otherwise, such a picture is ray-traced, and every character in
+//! it is exactly right.
 //!
 //! # Notation
 //!
-//! R1, R2, K1, K2, A, B and L are named as in the [article] that explains donut.c. Angles are in radians.
-//! The axes are those of donut.c itself: x goes right, y goes *down*, and z goes away from the viewer.
+//! The letters R1, R2, K1, K2, A, B and L come from the [article] in which Andy Sloane explains donut.c.
+//! Here A and B are the angles of donut.c itself. Its A is pi/2 minus the article's A, and its B is minus
+//! the article's B. All angles are in radians.
+//!
+//! The axes are those of donut.c as well: x goes right, y goes *down*, and z goes away from the viewer.
 //!
 //! # How donut.c draws a donut
 //!
-//! A torus is the surface swept by a small circle, the tube, whose centre travels round a large one, the
-//! ring. Here it is in the first frame, cut in half and seen from the side, with the viewer on the left:
+//! A torus is the surface swept by a small circle, the tube, whose centre travels round a large circle,
+//! the ring. Here is the torus of the first frame, cut in half and seen from the side. The viewer is on
+//! the left:
 //! ```text
 //!                                .-.
 //!           screen              ( +-)--  R1, the radius of the tube
@@ -25,38 +32,46 @@
 //!          :......... K2 .........:
 //! ```
 //!
-//! donut.c has R1 = 1, R2 = 2 and K2 = 5. K1, the distance of the screen, is measured in cells: it is 30
-//! columns or 15 rows, because a cell is twice as tall as it is wide.
+//! donut.c has R1 = 1, R2 = 2 and K2 = 5. The screen is a grid of cells, one for each character. K1, the
+//! distance of the screen, is measured in cells: it is 30 columns or 15 rows, because a cell is twice as
+//! tall as it is wide.
 //!
-//! Theta goes round the tube in steps of 0.07, and phi round the ring in steps of 0.02. Each pair of
-//! angles gives a sample: a point of the surface, and its normal, the direction that the surface faces
-//! there. The point is at distance h from the axis, and at height f above the plane of the ring:
+//! **Samples.** donut.c knows the surface by its samples. The angle theta goes round the tube in steps of
+//! 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one sample: a
+//! point of the surface, and the normal there, which is the direction that the surface faces. The point
+//! is at the distance h from the axis, and at the distance f from the plane of the ring:
 //! ```text
 //! h = R2 + R1 cos theta      point   (h cos phi, h sin phi, f)
 //! f = R1 sin theta           normal  (cos theta cos phi, cos theta sin phi, sin theta)
 //! ```
 //!
-//! The donut is turned by the angle A about the x axis, and then by B about the z axis. Each frame adds
-//! 0.04 to A and 0.02 to B. This moves the point to (X, Y, Z), by way of t, which is y after the first
-//! turn, and it turns the normal in the same way:
+//! **Turns.** The donut is turned by the angle A about the x axis, and then by B about the z axis. Each
+//! frame adds 0.04 to A and 0.02 to B. The two turns move the point to (X, Y, Z). In the formulas, t is
+//! the point's y after the first turn. The normal is turned in the same way.
 //! ```text
 //! t = h sin phi cos A - f sin A      X = h cos phi cos B - t sin B
 //! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
 //! ```
 //!
-//! The depth of the point, seen from the viewer, is `z = Z + K2`. Things twice as far away look half as
-//! large, so it appears at `K1 X / z`, `K1 Y / z` from the centre of the screen. Many samples fall into
-//! the same cell, and the nearest one wins: for each cell, a z-buffer keeps the largest 1/z so far.
+//! **Perspective.** Seen from the viewer, the point is at the depth `z = Z + K2`. Things twice as far away
+//! look half as large, so the point appears `K1 X / z` to the right of the donut's centre, and `K1 Y / z`
+//! below it. donut.c has this centre at column 40 and row 12 of its 80x22 cells. That is below the middle,
+//! and in some poses the lowest part of the donut is cut off.
 //!
-//! The cell shows how bright that sample is. Its luminance L is the dot product of its normal and the
-//! vector (0, -1, -1), which points at the light, above and behind the viewer. This vector is sqrt 2
-//! long, so 8 L is at most 11.3, and its whole part is an index, from 0 to 11, into the twelve glyphs of
-//! the ramp `.,-~:;=!*#$@`. Where L is negative, the surface faces away from the light: index 0.
+//! **The z-buffer.** Many samples fall into the same cell, and the cell shows the nearest of them. To find
+//! it, a z-buffer keeps the largest 1/z so far for each cell.
+//!
+//! **Luminance.** The cell shows how bright its sample is. The luminance L is the dot product of the
+//! normal and the vector (0, -1, -1), which points at the light, above and behind the viewer. This vector
+//! is sqrt 2 long, so 8 L is at most 11.3. Its whole part is an index, from 0 to 11, into a ramp of twelve
+//! characters from dark to bright, `.,-~:;=!*#$@`. Where L is negative, the surface faces away from the
+//! light, and the index is 0.
 //!
 //! # Two methods
 //!
-//! `classic` is all of the above: it asks of each sample which cell it falls into. `exact` asks of each
-//! cell what is there: it follows the ray through the centre of the cell to the first thing it hits.
+//! `classic` is all of the above: for each sample, it asks which cell the sample falls into. `exact` goes
+//! the other way: for each cell, it asks what is there. It follows the ray from the viewer through the
+//! centre of the cell, and the cell shows the first point of the donut that the ray hits.
 //!
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
@@ -100,8 +115,9 @@ use {
 /// A spinning ASCII donut: donut.c at 80x22, ray-traced at any other size
 ///
 /// On a terminal the donut fills the window and spins until you press q. In a
-/// pipe or a file it writes what donut.c writes, escape codes included, at 80x22
-/// unless you set a size. There, end it with Ctrl-C or --frames.
+/// pipe or a file it writes what donut.c writes, escape codes included. The
+/// size is then 80x22 unless you set another, and the donut spins until you
+/// press Ctrl-C, or for as many frames as --frames says.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`.
@@ -109,15 +125,16 @@ use {
 struct Options {
     /// Frames per second; 0 means no limit
     ///
-    /// From 0 to 1000. Each frame turns by --spin, so 60 spins twice as fast.
+    /// From 0 to 1000. At 60, the donut spins twice as fast as at 30.
     #[arg(long, value_name = "N", default_value = "30", value_parser = within(RATES))]
     fps: f64,
     /// Stop after N frames; the last one stays on the screen
     ///
-    /// On a terminal, this clears the screen, and draws from its top.
-    #[arg(long, value_name = "N", value_parser = within(COUNTS))]
+    /// On a terminal, the screen is cleared, the frames are drawn from its
+    /// top, and the prompt comes below the last one.
+    #[arg(long, value_name = "N", value_parser = within(COUNTS), verbatim_doc_comment)]
     frames: Option<u64>,
-    /// Rotation per frame, in radians
+    /// Rotation per frame about the x and the z axis, in radians
     ///
     /// Angles are from -1e9 to 1e9. x points right, and z away from you.
     #[arg(long, value_name = "DA,DB", default_value = "0.04,0.02", value_parser = parse_angles)]
@@ -130,9 +147,10 @@ struct Options {
     b: f64,
     /// How to draw
     ///
-    /// Classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5. After 31
-    /// hours at 30 fps its angles get too coarse. Then auto goes on with
-    /// exact, whose outline is thinner.
+    /// Classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5. Its angles
+    /// get coarser with time. With the default --spin, they are too coarse
+    /// after 31 hours at 30 frames a second. Then auto goes on with exact,
+    /// and the donut's outline gets thinner.
     #[arg(long, value_enum, default_value_t, hide_default_value = true, verbatim_doc_comment)]
     method: MethodOption,
     /// Colour: a name, 0 to 255, or '#rrggbb'
@@ -144,15 +162,16 @@ struct Options {
     color: Option<Color>,
     /// Columns [default: all, or 80 in a pipe]
     ///
-    /// From 1 to 4096, clipped to the terminal. Column 0 stays empty.
-    #[arg(long, value_name = "COLS", value_parser = within(SIZES))]
+    /// From 1 to 4096, and no more than the terminal has. donut.c writes a
+    /// newline in place of the first column, so one column stays empty.
+    #[arg(long, value_name = "COLS", value_parser = within(SIZES), verbatim_doc_comment)]
     width: Option<u16>,
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
-    /// From 1 to 4096, clipped to the terminal's rows minus 2.
+    /// From 1 to 4096, and no more than the terminal's rows minus 2.
     #[arg(long, value_name = "ROWS", value_parser = within(SIZES))]
     height: Option<u16>,
-    /// Height of a character cell over its width
+    /// Height of a character cell divided by its width
     ///
     /// From 0.1 to 10.
     #[arg(long, value_name = "RATIO", default_value = "2", value_parser = within(ASPECTS))]
@@ -165,7 +184,7 @@ struct Options {
     /// Radius of the ring, 1.001 to 30 times --r1
     #[arg(long, value_name = "R", default_value = "2", value_parser = within(LENGTHS))]
     r2: f64,
-    /// Distance of the viewer
+    /// Distance from you to the centre of the donut
     ///
     /// At least 1.001 times the sum of --r1 and --r2.
     #[arg(long, value_name = "D", default_value = "5", value_parser = within(LENGTHS))]
@@ -176,7 +195,7 @@ const AFTER_HELP: &str = "\
 Keys:
   q, Esc, Ctrl-C  quit
   p               pause or resume
-  space           toggle shading
+  space           turn the shading off or on
   Ctrl-Z          suspend
 
 Examples:
@@ -185,16 +204,16 @@ Examples:
 
 #[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
 enum MethodOption {
-    /// Default: classic at donut.c's size and shape, else exact
+    /// Default: classic for donut.c's own picture, exact for any other
     #[default]
     Auto,
-    /// donut.c's way: plots many points, and the nearest wins
+    /// As donut.c does: plot many points, and let the nearest win
     Classic,
-    /// Follows a ray through each cell's centre: right at any size
+    /// Follow a ray through each cell's centre: right at any size
     Exact,
 }
 
-/// Sets the heading of an option in the help, and what all options have in common.
+/// Sets an option's heading in the help, and what all options have in common.
 fn configure_option(option: Arg) -> Arg {
     let heading = match option.get_id().as_str() {
         "fps" | "frames" | "spin" | "a" | "b" => "Motion",
@@ -206,7 +225,7 @@ fn configure_option(option: Arg) -> Arg {
     option.help_heading(heading).allow_hyphen_values(true).value_hint(ValueHint::Other)
 }
 
-/// The numbers that an option takes, as a range and in words.
+/// The numbers that an option takes: as a range, and in words for the error message.
 type Numbers<T> = (RangeInclusive<T>, &'static str);
 const RATES: Numbers<f64> = (0.0..=1000.0, "a number from 0 to 1000");
 const COUNTS: Numbers<u64> = (0..=u64::MAX, "a whole number from 0 to 2^64 - 1");
@@ -215,6 +234,7 @@ const ANGLES: Numbers<f64> = (-1e9..=1e9, "an angle in radians, such as 1.57 (at
 const ASPECTS: Numbers<f64> = (0.1..=10.0, "a number from 0.1 to 10");
 const LENGTHS: Numbers<f64> = (1e-6..=1e6, "a number from 0.000001 to 1000000");
 
+/// A parser for the numbers in this range.
 fn within<T: FromStr + PartialOrd + Clone>(
     (range, words): Numbers<T>,
 ) -> impl Fn(&str) -> Result<T, String> + Clone {
@@ -246,46 +266,60 @@ fn parse_color(text: &str) -> Result<Color, String> {
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
-/// The range of R2 / R1. Below 1.001, the hole is a few cells at most. At 30, the tube seen from afar is
-/// less than three columns thick on a screen of 80.
+/// The range of R2 / R1. Below 1.001, the hole is at most two cells across, even in the largest picture.
+/// Above 30, the tube of a donut far away is less than three columns thick in a picture of 80 columns.
 const RING_RATIOS: RangeInclusive<f64> = 1.001..=30.0;
-/// The least K2 / (R1 + R2). There the donut fills 175 degrees of the view.
+/// The least K2 / (R1 + R2). So near, a donut that is seen edge-on fills 175 degrees of the view.
 const LEAST_DISTANCE: f64 = 1.001;
 
-/// The quotient of two lengths, exact if it has up to six decimals: 0.35 / 0.07 is 5, and no less.
-fn ratio(length: f64, unit: f64) -> f64 {
-    let (ratio, rounded) = (length / unit, (1e6 * length / unit).round() / 1e6);
-    if (ratio - rounded).abs() < 1e-15 * ratio { rounded } else { ratio }
+/// Undoes the rounding of a product or quotient of two lengths, as far as it can be known.
+///
+/// Most decimal fractions have no exact binary form, so 0.35 / 0.07 is slightly less than 5 in f64, and
+/// 1.001 * 3 is slightly less than 3.003. If a number with at most six decimals is within a relative 1e-15
+/// of the result, that number was meant.
+fn unrounded(result: f64) -> f64 {
+    let rounded = (1e6 * result).round() / 1e6;
+    if (result - rounded).abs() < 1e-15 * result { rounded } else { result }
 }
 
 impl Options {
-    /// The rule that some of the options break together.
+    /// R2 and K2 in units of R1.
+    fn proportions(&self) -> (f64, f64) {
+        (unrounded(self.r2 / self.r1), unrounded(self.k2 / self.r1))
+    }
+
+    /// What is wrong with options that are allowed one by one, but not together.
     fn conflict(&self) -> Option<String> {
-        let (r2, k2) = (ratio(self.r2, self.r1), ratio(self.k2, self.r1));
+        let &Options { r1, r2, k2, .. } = self;
         let (least, most) = (RING_RATIOS.start(), RING_RATIOS.end());
-        if !RING_RATIOS.contains(&r2) {
-            Some(format!("--r2 must be {least} to {most} times --r1"))
-        } else if ratio(self.k2, self.r1 + self.r2) < LEAST_DISTANCE {
-            Some(format!("--k2 must be at least {LEAST_DISTANCE} times the sum of --r1 and --r2"))
-        } else if self.method == MethodOption::Classic && (r2, k2) != (2.0, 5.0) {
-            Some("--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5".into())
+        if !RING_RATIOS.contains(&self.proportions().0) {
+            let [from, to] = [least, most].map(|ratio| unrounded(ratio * r1));
+            Some(format!("--r2 is {r2}, but must be {from} to {to}: {least} to {most} times --r1"))
+        } else if unrounded(k2 / (r1 + r2)) < LEAST_DISTANCE {
+            let from = unrounded(LEAST_DISTANCE * (r1 + r2));
+            let rule = format!("{LEAST_DISTANCE} times the sum of --r1 and --r2");
+            Some(format!("--k2 is {k2}, but must be at least {from}: {rule}"))
+        } else if self.method == MethodOption::Classic && self.proportions() != (2.0, 5.0) {
+            let rule = "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5";
+            Some(format!("{rule}, but these are {r1}, {r2} and {k2}"))
         } else {
             None
         }
     }
 
-    /// The view for the size that the options ask for, clipped to the terminal if there is one.
+    /// The view for the size that the options ask for. `terminal` is the terminal's columns and rows, which
+    /// limit the size, or `None` where standard output is no terminal.
     fn view(&self, terminal: Option<(u16, u16)>) -> View {
         let (width, height) = match terminal {
             None => (self.width.unwrap_or(80), self.height.unwrap_or(22)),
             Some((columns, rows)) => {
-                // One row stays free above the picture, and one below it.
                 let most = *SIZES.0.end();
+                // One row stays free above the picture, and one below it.
                 let (columns, rows) = (columns.min(most), rows.saturating_sub(2).clamp(1, most));
                 (self.width.unwrap_or(columns).min(columns), self.height.unwrap_or(rows).min(rows))
             }
         };
-        let (r2, k2) = (ratio(self.r2, self.r1), ratio(self.k2, self.r1));
+        let (r2, k2) = self.proportions();
         View::new(width.into(), height.into(), self.aspect, r2, k2)
     }
 }
@@ -310,11 +344,11 @@ fn main() -> ExitCode {
 struct Animation<'a> {
     options: &'a Options,
     console: Arc<Console>,
-    /// The terminal's columns and rows when the renderer was made; `None` in a pipe.
+    /// The terminal's columns and rows when the renderer was made, or `None` where there is no terminal.
     size: Option<(u16, u16)>,
     clock: Clock,
     renderer: Renderer,
-    /// How many frames have been drawn.
+    /// How many frames were due so far. A frame that is drawn again counts once.
     drawn: u64,
     /// When the next frame is due, unless the donut is paused.
     deadline: Instant,
@@ -338,12 +372,19 @@ fn run(options: &Options) -> io::Result<()> {
         deadline: Instant::now(),
         is_paused: false,
     };
-    let (played, restored) = (animation.play(), console.restore());
+    let (played, left) = (animation.play(), console.leave());
     console.end_by_signal();
-    played.and(restored)
+    played.and(left)
 }
 
 impl Animation<'_> {
+    /// donut.c's `for (;;)`. In a pipe, there is nothing to do but to draw each frame when it is due. On a
+    /// terminal, the loop also looks for signals, keys and a new size, and in most of its rounds nothing is
+    /// due.
+    ///
+    /// The donut *enters* a terminal before it draws there, and *leaves* it when it ends or stops. To enter
+    /// is to clear the screen, hide the cursor, and have each key sent at once and not echoed. To leave is
+    /// to undo all this. See `Console`.
     fn play(&mut self) -> io::Result<()> {
         let console = self.console.clone();
         // On a dumb terminal further frames would only scroll by.
@@ -355,19 +396,19 @@ impl Animation<'_> {
             if console.end_signal.load(SeqCst) != 0 {
                 break;
             }
+            #[cfg(unix)] // Windows has no job control.
             if !console.may_use_terminal()? {
                 thread::sleep(POLL_INTERVAL);
                 continue;
             }
-            let mut redraw = console.enter()?;
-            let size = console.size()?;
-            if size != self.size {
+            let (has_entered, size) = (console.enter()?, console.size()?);
+            let clear = has_entered || size != self.size;
+            if clear {
                 let view = self.options.view(size);
                 self.renderer = Renderer::new(view, self.renderer.method, self.renderer.ramp);
                 self.size = size;
-                console.write(console.escapes.clear.as_bytes())?;
-                redraw = true;
             }
+            let mut redraw = clear;
             for key in console.keys()? {
                 match key {
                     b'q' | ESCAPE => return Ok(()),
@@ -379,6 +420,7 @@ impl Animation<'_> {
                     #[cfg(unix)]
                     CTRL_Z => {
                         console.suspend()?;
+                        // By now, another program may have used the terminal.
                         continue 'rounds;
                     }
                     _ => {}
@@ -389,35 +431,42 @@ impl Animation<'_> {
                 self.advance();
             }
             if is_due || redraw {
-                self.draw()?;
+                self.draw(clear)?;
             }
         }
         Ok(())
     }
 
-    /// Goes on to the next frame, or to the first, and says when the one after it is due.
+    /// Goes on to the next frame, and sets the deadline of the one after it.
     fn advance(&mut self) {
+        // The first frame shows the starting angles.
         if self.drawn > 0 {
             self.clock.tick(self.renderer.method);
         }
         self.drawn += 1;
         let fps = self.options.fps;
-        // A Duration cannot hold 1 / fps for the smallest fps. 1e9 seconds are nearly 32 years.
+        // If fps is tiny, a Duration cannot hold 1 / fps seconds. 1e9 seconds, nearly 32 years, will do.
         let seconds = if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 };
+        // The deadlines do not drift, because each one counts from the one before. But after a stall no
+        // frames are made up for: a deadline that has passed becomes now.
         let next = self.deadline + Duration::from_secs_f64(seconds);
         self.deadline = next.max(Instant::now());
     }
 
-    fn draw(&mut self) -> io::Result<()> {
+    /// Draws the frame, which may be the same as before. `clear` says whether to clear the screen first.
+    fn draw(&mut self, clear: bool) -> io::Result<()> {
         let renderer = &mut self.renderer;
         renderer.method = choose_method(self.options.method, &renderer.view, &self.clock);
         let [a, b] = self.clock.angles();
         renderer.render_frame(a, b);
-        self.console.write(&self.console.escapes.encode(renderer))
+        self.console.show(renderer, clear)
     }
 }
 
-/// The method that draws the picture at the clock's angles: this is where `auto` is decided.
+/// The method that draws the frame at the clock's angles.
+///
+/// `auto` draws donut.c's own picture with `classic`, as long as donut.c's own angles are precise, and
+/// everything else with `exact`.
 fn choose_method(option: MethodOption, view: &View, clock: &Clock) -> Method {
     match option {
         MethodOption::Auto if *view == View::DONUT_C && clock.floats_suffice() => Method::Classic,
@@ -426,8 +475,12 @@ fn choose_method(option: MethodOption, view: &View, clock: &Clock) -> Method {
     }
 }
 
-/// The angles A and B, frame after frame: `start + ticks * spin`. `exact` counts the frames. `classic`
-/// sets the origin to donut.c's own sum, rounded to `float`.
+/// The angles A and B of each frame: `start + ticks * spin`.
+///
+/// Every tick of the clock turns the donut by the spin. donut.c keeps its angles in variables of type
+/// `float`, so each of its additions rounds, and the errors add up. `classic` has to make the very same
+/// errors. So its ticks round as donut.c does, and make the sum the new start. `exact` only counts its
+/// ticks, so its errors do not add up.
 struct Clock {
     start: [f64; 2],
     ticks: u64,
@@ -439,13 +492,13 @@ impl Clock {
         [0, 1].map(|i| self.start[i] + self.ticks as f64 * self.spin[i])
     }
 
-    /// donut.c's next angles.
+    /// The angles after donut.c's next addition.
     fn next_floats(&self) -> [f64; 2] {
         let angles = self.angles();
         [0, 1].map(|i| advance(angles[i] as f32, self.spin[i]).into())
     }
 
-    /// Goes on to the next frame's angles, after a frame that `method` has drawn.
+    /// Goes on to the angles of the next frame. `method` is what drew this one.
     fn tick(&mut self, method: Method) {
         match method {
             Method::Classic => (self.start, self.ticks) = (self.next_floats(), 0),
@@ -453,8 +506,12 @@ impl Clock {
         }
     }
 
-    /// Whether floats hold the angles to 0.001 rad, and donut.c's next step to a tenth of the spin. With its own spin, that is so until frame 3,345,245, where A passes 2^17 and a step of 0.04
-    /// is rounded to 0.047. From frame 22,918,663 on, where A is 2^20, it is rounded to 0.
+    /// Whether floats are precise enough for donut.c's arithmetic: both angles are within 0.001 rad of a
+    /// float, and the next addition turns the donut by the spin, give or take a tenth.
+    ///
+    /// With donut.c's own start and spin, this holds until frame 3,345,245. There A passes 2^17, where
+    /// floats are 1/64 apart, so that adding 0.04 adds 3/64, which is 0.047. At frame 22,918,663, A reaches
+    /// 2^20, where floats are 1/8 apart. From then on, adding 0.04 changes nothing.
     fn floats_suffice(&self) -> bool {
         let (angles, next) = (self.angles(), self.next_floats());
         (0..2).all(|i| {
@@ -467,10 +524,14 @@ impl Clock {
 
 // ---- View ----------------------------------------------------------------------------------------
 
-/// The donut's proportions, in units of the tube's radius, so that R1 is 1, and how it is projected onto
-/// the screen. The point (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)`, `y = cy + k1y Y / (Z + K2)`. The
-/// cell in column c and row r is the square from (c, r) to (c + 1, r + 1). Column 0 and row 0 stay empty:
-/// donut.c prints a newline in place of column 0, and never draws in row 0.
+/// The donut's proportions, the size of the picture, and how the one is projected onto the other.
+///
+/// The proportions are in units of the tube's radius, so that R1 is 1. Places on the screen are counted in
+/// cells: cell (c, r), in column c and row r, reaches from c to c + 1 across and from r to r + 1 down. The
+/// point (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)`, `y = cy + k1y Y / (Z + K2)`.
+///
+/// Nothing is drawn in column 0 or in row 0. In place of column 0, donut.c prints a newline, and its test
+/// `y > 0` leaves out row 0.
 #[derive(Clone, Copy, PartialEq)]
 struct View {
     r2: f64,
@@ -478,9 +539,10 @@ struct View {
     /// Columns and rows of the picture.
     width: usize,
     height: usize,
-    /// Where the donut's centre appears, and the scale K1: in columns and in rows.
+    /// Where the centre of the donut appears.
     cx: f64,
     cy: f64,
+    /// The scale K1, in columns and in rows.
     k1x: f64,
     k1y: f64,
 }
@@ -489,8 +551,9 @@ impl View {
     const DONUT_C: View =
         View { r2: 2.0, k2: 5.0, width: 80, height: 22, cx: 40.0, cy: 12.0, k1x: 30.0, k1y: 15.0 };
 
-    /// donut.c's own view for its size and proportions. For others, the largest view in which the donut
-    /// fits at all angles. `aspect` is the height of a cell over its width.
+    /// donut.c's own view if everything is as in donut.c. Otherwise, the donut is in the middle of the
+    /// picture, and as large as it can be without being cut off at any angle. `aspect` is the height of a
+    /// cell divided by its width.
     fn new(width: usize, height: usize, aspect: f64, r2: f64, k2: f64) -> View {
         if (width, height, aspect, r2, k2) == (80, 22, 2.0, 2.0, 5.0) {
             return View::DONUT_C;
@@ -502,22 +565,28 @@ impl View {
     }
 }
 
-/// The apparent radius of the sphere of radius R1 + R2, which the donut never leaves: the tangent of the
-/// angle between the rays to its centre and to its edge.
+/// How large the donut can look: the apparent radius of a sphere of radius R1 + R2 round its centre. The
+/// donut touches this sphere from inside, however it is turned.
+///
+/// The rays from the viewer to the centre and to the edge of the sphere are at an angle. The apparent
+/// radius is the tangent of this angle, which is the radius on a screen at the distance 1.
 fn apparent_radius(r2: f64, k2: f64) -> f64 {
     let radius = 1.0 + r2;
-    radius / ((k2 - r2 - 1.0) * (k2 + radius)).sqrt() // `k2 - radius` would lose digits.
+    // This is the square root of `k2^2 - radius^2`. Near the sphere, a difference of squares would lose
+    // digits, and so would `k2 - radius`, because `1.0 + r2` is rounded.
+    radius / ((k2 - r2 - 1.0) * (k2 + radius)).sqrt()
 }
 
 // ---- Rendering -----------------------------------------------------------------------------------
 
-/// The glyphs, from dark to bright, and with the shading off.
+/// The characters that show the luminance, from dark to bright.
 const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
+/// What takes the place of the ramp while the shading is off.
 const FLAT: &[u8; 12] = &[b'.'; 12];
 
-/// The glyph of a luminance L, which is from -sqrt 2 to sqrt 2.
+/// The character of a luminance L, which is from -sqrt 2 to sqrt 2 but for rounding.
 fn glyph(ramp: &[u8; 12], luminance: f64) -> u8 {
-    // `as u8` saturates, so a negative L becomes 0.
+    // `as u8` rounds towards 0 and saturates, so a negative L becomes 0.
     ramp[usize::from((8.0 * luminance) as u8).min(11)]
 }
 
@@ -531,12 +600,13 @@ struct Renderer {
     view: View,
     method: Method,
     ramp: &'static [u8; 12],
-    /// The glyph of each cell: `width * height` bytes, row by row, blank where there is no donut.
+    /// The character in each cell: `width * height` bytes, row by row, blank where there is no donut.
     framebuffer: Vec<u8>,
-    /// For `classic`, 1/z of the nearest sample in each cell so far. There are two more rows than in the
+    /// For `classic`: 1/z of the nearest sample so far, in each cell. It has two rows more than the
     /// framebuffer, because donut.c's own view reaches below the picture.
     zbuffer: Vec<f32>,
-    /// The sines and the cosines of theta and of phi. Only `classic` makes these tables, which can be long.
+    /// For `classic`: the sines and the cosines of every theta, and those of every phi. These tables can be
+    /// long, so they are made when they are first needed.
     tables: Option<[(Vec<f32>, Vec<f32>); 2]>,
 }
 
@@ -556,23 +626,21 @@ impl Renderer {
         }
     }
 
-    /// `classic`: donut.c's double loop. The nearest sample in each cell wins. Everything is in f32 and in
-    /// donut.c's order of operations: another order rounds to other glyphs. donut.c calls `sin_phi` c,
-    /// `cos_theta` d, `sin_a` e, `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n
-    /// and `cell` o.
+    /// `classic`: donut.c's double loop over theta and phi.
+    ///
+    /// All arithmetic is in f32 and in donut.c's order of operations, because another order would round to
+    /// other characters. donut.c has names of one letter: `sin_phi` is its c, `cos_theta` d, `sin_a` e,
+    /// `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `cell` o.
     fn splat(&mut self, a: f32, b: f32) {
+        self.reset_zbuffer();
         let View { width, r2, k2, cx, cy, k1x, k1y, .. } = self.view;
         let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
         let ((sin_a, cos_a), (sin_b, cos_b)) = (sin_cos(a), sin_cos(b));
         let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] =
             self.tables.get_or_insert_with(|| angle_steps(&self.view).map(trig_table));
-        // Infinity keeps row 0, column 0 and the rows below the picture blank: no 1/z exceeds it.
-        self.zbuffer.fill(f32::INFINITY);
-        for row in self.zbuffer[..self.framebuffer.len()].chunks_exact_mut(width).skip(1) {
-            row[1..].fill(0.0);
-        }
-        // The compiler vectorises the first two of the three inner loops, because slices of one length need no
-        // bounds checks. It would not vectorise a single loop.
+        // donut.c's loop over phi is three loops here. The compiler vectorises the first two, which it would
+        // not do with a single one. The slices tell it that the tables have one length, so that these loops
+        // need no bounds checks.
         let count = sin_phis.len();
         let (sin_phis, cos_phis) = (&sin_phis[..count], &cos_phis[..count]);
         let (mut ooz, mut x, mut y) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
@@ -603,6 +671,16 @@ impl Renderer {
         }
     }
 
+    /// Prepares the z-buffer for a frame. Every sample is nearer than 0, so it shows in an empty cell. No
+    /// sample is nearer than infinity, so none shows in row 0, in column 0, or below the picture.
+    fn reset_zbuffer(&mut self) {
+        let View { width, height, .. } = self.view;
+        self.zbuffer.fill(f32::INFINITY);
+        for row in 1..height {
+            self.zbuffer[row * width + 1..(row + 1) * width].fill(0.0);
+        }
+    }
+
     /// `exact`: a cell shows what the ray through its centre hits first.
     fn trace(&mut self, a: f64, b: f64) {
         let View { r2, k2, width, cx, cy, k1x, k1y, .. } = self.view;
@@ -628,17 +706,19 @@ impl Renderer {
 
 // ---- classic: donut.c's arithmetic ---------------------------------------------------------------
 
-/// donut.c's steps of theta and phi, or proportionally smaller ones for a larger picture. Where the
-/// donut is nearest, samples are then about a cell apart, as in donut.c. Larger steps would leave gaps.
+/// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
+///
+/// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart. In a larger picture
+/// the same steps would leave gaps. So both steps shrink by as much as the scale K1 grows.
 fn angle_steps(view: &View) -> [f64; 2] {
     let shrink = f64::min(1.0, View::DONUT_C.k1x / view.k1x.max(view.k1y));
     [0.07 * shrink, 0.02 * shrink]
 }
 
-/// The angles round a circle, summed as in donut.c: their sines and their cosines.
+/// The sines and the cosines of the angles that donut.c's loop counts: 0, `step`, and so on, once round.
 fn trig_table(step: f64) -> (Vec<f32>, Vec<f32>) {
     let angles = std::iter::successors(Some(0.0), |&angle| Some(advance(angle, step)));
-    // donut.c stops at 6.28. That is the same at its own steps, but leaves a gap at smaller ones.
+    // donut.c stops at 6.28. At its own steps that is the same, but shorter ones would leave a gap there.
     angles.take_while(|&angle| f64::from(angle) < TAU).map(sin_cos).unzip()
 }
 
@@ -653,8 +733,11 @@ fn sin_cos(angle: f32) -> (f32, f32) {
     (sin as f32, cos as f32)
 }
 
-/// The whole part of a value from 0 to 2^23. This is `value as u32` in plain arithmetic, which vectorises
-/// on every machine: adding 2^23 rounds to a whole number, which is then in the low bits of the sum.
+/// The whole part of a value from 0 to 2^23.
+///
+/// This is `value as u32`, but in plain arithmetic, which every compiler target vectorises. From 2^23 to
+/// 2^24 floats are 1 apart. So adding 2^23 rounds the value to a whole number, and leaves this number in the
+/// low bits of the sum. If it was rounded up, it is one too large.
 fn floor(value: f32) -> u32 {
     const WHOLE: f32 = 8_388_608.0;
     let rounded = value + WHOLE;
@@ -834,88 +917,99 @@ impl Torus {
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-/// The longest time between two looks at the terminal's size, and whether the donut may use the terminal.
-const POLL_INTERVAL: Duration = Duration::from_millis(100);
+// Up to here the program would work in a pipe. The rest makes it a good guest on a terminal: whatever ends
+// or stops the donut, the shell finds its terminal as it was.
 
-/// The number of the signal that Ctrl-C sends.
-const CTRL_C: usize = 2;
+/// The longest wait in the loop, so that a new size or a lost terminal is noticed in time.
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
+/// How long the rest of a key's code may take to arrive.
+const ESCAPE_TIME: Duration = Duration::from_millis(50);
+
 const ESCAPE: u8 = 0x1b;
 #[cfg(unix)]
 const CTRL_Z: u8 = 0x1a;
 
-/// What is written besides the glyphs.
+/// The bytes that are written besides the picture: the escape codes, and what separates the rows.
+///
+/// On a terminal, these codes come up: `?1049h` switches to the alternate screen, a second screen that full
+/// screen programs use, and `?1049l` switches back. `?25l` hides the cursor and `?25h` shows it. `2J` clears
+/// the screen. `H` moves the cursor to the top left. Between `?2026h` and `?2026l`, the terminal holds the
+/// output back, so that no half-drawn frame is seen. `0m` ends a colour.
 struct Escapes {
     enter: &'static str,
+    /// Comes before the first frame after `enter` or after a new size.
     clear: &'static str,
     begin_frame: &'static str,
+    /// Stands before each row, and takes the place of its column 0.
     begin_row: &'static str,
     end_frame: &'static str,
     leave: &'static str,
-    color: Option<Color>,
 }
 
 impl Escapes {
+    /// donut.c's own bytes.
     const PIPE: Escapes = Escapes {
-        enter: "\x1b[2J",
-        clear: "",
+        enter: "",
+        clear: "\x1b[2J",
         begin_frame: "\x1b[H",
         begin_row: "\n",
         end_frame: "\n",
         leave: "",
-        color: None,
     };
-    const DUMB: Escapes = Escapes { enter: "", begin_frame: "", ..Escapes::PIPE };
+    /// A terminal whose TERM is `dumb` knows no escape codes.
+    const DUMB: Escapes = Escapes { clear: "", begin_frame: "", ..Escapes::PIPE };
+    /// With --frames, the last frame has to stay on the screen. So there is no alternate screen.
     const IN_PLACE: Escapes = Escapes {
-        enter: "\x1b[?25l\x1b[2J",
+        enter: "\x1b[?25l",
         clear: "\x1b[2J",
         begin_frame: "\x1b[?2026h\x1b[H",
         begin_row: "\r\n",
         end_frame: "\x1b[?2026l",
+        // A signal may have cut a frame short: this ends the frame and its colour, too.
         leave: "\x1b[?2026l\x1b[0m\x1b[?25h\r\n",
-        color: None,
     };
+    /// The newline before `?1049l` is for terminals without an alternate screen, where the picture stays.
     const FULL_SCREEN: Escapes = Escapes {
-        enter: "\x1b[?1049h\x1b[?25l\x1b[2J",
+        enter: "\x1b[?1049h\x1b[?25l",
         leave: "\x1b[?2026l\x1b[0m\x1b[?25h\r\n\x1b[?1049l",
         ..Escapes::IN_PLACE
     };
-
-    /// A whole frame: what the renderer has drawn, as bytes for the terminal.
-    fn encode(&self, renderer: &Renderer) -> Vec<u8> {
-        let mut out = self.begin_frame.as_bytes().to_vec();
-        if let Some(color) = self.color {
-            out.extend_from_slice(SetForegroundColor(color).to_string().as_bytes());
-        }
-        for row in renderer.framebuffer.chunks_exact(renderer.view.width) {
-            // The newline stands for column 0, which stays empty.
-            out.extend_from_slice(self.begin_row.as_bytes());
-            out.extend_from_slice(&row[1..]);
-        }
-        out.extend_from_slice(self.end_frame.as_bytes());
-        if self.color.is_some() {
-            out.extend_from_slice(b"\x1b[0m");
-        }
-        out
-    }
 }
 
+/// Standard output and, if that is a terminal, everything that belongs to being there.
+///
+/// The picture is on the terminal of standard output. The keys come from the terminal that the program was
+/// started from, whatever standard input is. This is the same terminal, except in cases such as
+/// `donut > /dev/tty2`.
+///
+/// The donut enters the terminal before it draws, and leaves it in all these cases:
+/// - it ends, after the last frame or on q or Esc;
+/// - a signal ends it;
+/// - Ctrl-Z stops it;
+/// - it finds itself in the background;
+/// - it panics.
+///
+/// A shell lends the terminal to one of its jobs at a time. This job is in the *foreground*. A job that was
+/// started with `&`, or continued with `bg`, is in the *background*. If such a job reads keys or changes the
+/// terminal's settings, the system stops it. So in the background the donut does nothing but wait.
 struct Console {
-    /// Standard output, without a buffer. A terminal's does not block.
+    /// Standard output, without a buffer. If it is a terminal, writing does not block.
     stdout: File,
     is_terminal: bool,
-    /// Whether TERM is dumb: no escape codes and no keys.
+    /// Whether TERM is `dumb`. Then there are no escape codes and no keys.
     is_dumb: bool,
     escapes: Escapes,
-    /// The terminal whose keys and whose foreground count, if there is one.
+    color: Option<Color>,
+    /// The terminal of the keys, if there is one.
     tty: Option<File>,
-    /// Set by `enter`, cleared by `restore`.
+    /// Whether the donut has entered the terminal and not left it since.
     is_entered: AtomicBool,
-    /// The signal that ends the donut, or 0. Set by its handler, never cleared.
+    /// The number of the signal that ends the donut, or 0. Set by the handlers of these signals.
     end_signal: Arc<AtomicUsize>,
-    /// Whether the donut was continued since ... Set by SIGCONT's handler.
+    /// Whether the donut was stopped and continued since the loop last looked. Set by SIGCONT's handler.
     #[cfg(unix)]
     was_continued: Arc<AtomicBool>,
-    /// The settings of `tty` when the donut entered. Set by `enter`, cleared when they are given back.
+    /// The settings that `tty` had before the donut entered, until the donut gives them back.
     #[cfg(unix)]
     settings: Mutex<Option<Termios>>,
 }
@@ -924,22 +1018,24 @@ impl Console {
     fn open(options: &Options) -> io::Result<Arc<Console>> {
         let is_terminal = io::stdout().is_terminal();
         let is_dumb = is_terminal && env::var_os("TERM").is_some_and(|term| term == "dumb");
-        let color = options.color;
         let escapes = match (is_terminal, is_dumb, options.frames) {
-            (false, ..) => Escapes { color, ..Escapes::PIPE },
-            (_, true, _) => Escapes::DUMB,
-            (_, _, Some(_)) => Escapes { color, ..Escapes::IN_PLACE },
-            (_, _, None) => Escapes { color, ..Escapes::FULL_SCREEN },
+            (false, ..) => Escapes::PIPE,
+            (true, true, _) => Escapes::DUMB,
+            (true, false, Some(_)) => Escapes::IN_PLACE,
+            (true, false, None) => Escapes::FULL_SCREEN,
         };
-        // The option is explicit, so it overrides NO_COLOR.
-        style::force_color_output(true);
+        style::force_color_output(true); // --color is explicit, so it overrides NO_COLOR.
         #[cfg(windows)]
         crossterm::ansi_support::supports_ansi(); // Asking turns on the console's escape codes.
         let console = Arc::new(Console {
+            #[cfg(unix)]
             stdout: open_stdout(is_terminal)?,
+            #[cfg(windows)]
+            stdout: io::stdout().as_handle().try_clone_to_owned()?.into(),
             is_terminal,
             is_dumb,
             escapes,
+            color: options.color.filter(|_| !is_dumb),
             tty: if is_terminal && !is_dumb { open_tty() } else { None },
             is_entered: AtomicBool::new(false),
             end_signal: Arc::default(),
@@ -954,20 +1050,22 @@ impl Console {
         Ok(console)
     }
 
-    /// Lets a panic, and the signals that end the program, restore the terminal first.
+    /// Sees to it that the donut leaves the terminal before a panic or a signal ends the program.
+    ///
+    /// A signal's handler only stores its number. Then the loop ends, and `run` does what has to be done.
     fn guard(self: &Arc<Console>) -> io::Result<()> {
         let (console, previous_hook) = (self.clone(), panic::take_hook());
         panic::set_hook(Box::new(move |info| {
-            let _ = console.restore();
+            let _ = console.leave();
             previous_hook(info);
         }));
-        // ctrlc cannot tell signals apart, and leaves out SIGQUIT. So signal-hook's handlers come on top of its
-        // own, and store which signal came. One that comes before they are there counts as Ctrl-C's, number 2.
+        // ctrlc's handler cannot tell which signal came. On Unix, the handlers below come before it, and
+        // can. Only a signal that comes earlier than they do is taken for a Ctrl-C here.
         let end_signal = self.end_signal.clone();
-        let count_as_ctrl_c = move || {
-            let _ = end_signal.compare_exchange(0, CTRL_C, SeqCst, SeqCst);
+        let take_for_ctrl_c = move || {
+            let _ = end_signal.compare_exchange(0, 2, SeqCst, SeqCst); // 2 is SIGINT.
         };
-        ctrlc::set_handler(count_as_ctrl_c).map_err(io::Error::other)?;
+        ctrlc::set_handler(take_for_ctrl_c).map_err(io::Error::other)?;
         #[cfg(unix)]
         {
             for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
@@ -978,21 +1076,22 @@ impl Console {
         Ok(())
     }
 
-    /// Ends the program by the signal that came, if one did, so that shells see which.
+    /// If a signal has come, ends the program by the same signal. So a shell, and a loop or script around
+    /// the donut, can tell what ended it.
     fn end_by_signal(&self) {
         let signal = self.end_signal.load(SeqCst) as i32;
         if signal == 0 {
             return;
         }
-        // A signal cannot end the first process of a pid namespace, as in a container.
+        // The first process of a container ignores signals that it does not handle.
         #[cfg(unix)]
         if process::id() != 1 {
             let _ = low_level::emulate_default_handler(signal);
         }
-        process::exit(128 + signal)
+        process::exit(128 + signal) // What a shell would say of a program that the signal ended.
     }
 
-    /// Enters the terminal, unless the donut has. True if it had not.
+    /// Enters the terminal, if the donut has not yet. Returns true if it had not.
     fn enter(&self) -> io::Result<bool> {
         if self.is_entered.swap(true, SeqCst) {
             return Ok(false);
@@ -1001,14 +1100,16 @@ impl Console {
         if let Some(tty) = &self.tty {
             let mut settings = self.settings.lock().unwrap();
             let before = match settings.take() {
-                // The donut lost the foreground before it could give them back.
+                // The donut had to leave in the background, where it could not give these back.
                 Some(before) => before,
                 None => termios::tcgetattr(tty)?,
             };
             let mut raw = settings.insert(before).clone();
+            // Each key is to come at once, as a byte, and without an echo. But Ctrl-C and Ctrl-\ stay
+            // signals, so that they work while the donut is busy.
             raw.make_raw();
-            raw.local_modes.insert(LocalModes::ISIG); // Ctrl-C and Ctrl-\ stay signals.
-            raw.special_codes[SpecialCodeIndex::VSUSP] = NO_KEY; // Ctrl-Z does not.
+            raw.local_modes.insert(LocalModes::ISIG);
+            raw.special_codes[SpecialCodeIndex::VSUSP] = NO_KEY; // Ctrl-Z is a byte, too: see `suspend`.
             termios::tcsetattr(tty, OptionalActions::Now, &raw)?;
         }
         self.write(self.escapes.enter.as_bytes())?;
@@ -1016,12 +1117,12 @@ impl Console {
     }
 
     /// Leaves the terminal as it was found, if the donut has entered it.
-    fn restore(&self) -> io::Result<()> {
+    fn leave(&self) -> io::Result<()> {
         if !self.is_entered.swap(false, SeqCst) {
             return Ok(());
         }
         let written = self.write(self.escapes.leave.as_bytes());
-        // The terminal of the picture may be gone while that of the keys is still there.
+        // Even if this failed: the terminal of the keys may be another one.
         #[cfg(unix)]
         if let (Some(tty), true) = (&self.tty, self.is_in_foreground()) {
             if let Some(settings) = self.settings.lock().unwrap().take() {
@@ -1029,6 +1130,22 @@ impl Console {
             }
         }
         written
+    }
+
+    /// Writes a whole frame at once. `clear` says whether to clear the screen first.
+    fn show(&self, renderer: &Renderer, clear: bool) -> io::Result<()> {
+        let set_color = self.color.map(|color| SetForegroundColor(color).to_string());
+        let reset_color = if self.color.is_some() { "\x1b[0m" } else { "" };
+        let mut bytes = Vec::from(if clear { self.escapes.clear } else { "" });
+        bytes.extend_from_slice(self.escapes.begin_frame.as_bytes());
+        bytes.extend_from_slice(set_color.unwrap_or_default().as_bytes());
+        for row in renderer.framebuffer.chunks_exact(renderer.view.width) {
+            bytes.extend_from_slice(self.escapes.begin_row.as_bytes());
+            bytes.extend_from_slice(&row[1..]);
+        }
+        bytes.extend_from_slice(self.escapes.end_frame.as_bytes());
+        bytes.extend_from_slice(reset_color.as_bytes());
+        self.write(&bytes)
     }
 
     fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
@@ -1043,7 +1160,8 @@ impl Console {
         Ok(())
     }
 
-    /// The terminal's columns and rows, if there is one: 80x24 if it reports none.
+    /// The columns and rows of the terminal, or `None` if standard output is none. A terminal that does not
+    /// know its size reports 0 and is taken for 80x24.
     fn size(&self) -> io::Result<Option<(u16, u16)>> {
         #[cfg(unix)]
         let size = || termios::tcgetwinsize(&self.stdout).map(|size| (size.ws_col, size.ws_row));
@@ -1053,22 +1171,8 @@ impl Console {
         Ok(if self.is_terminal { Some(or_default(size()?)) } else { None })
     }
 
-    /// Whether the donut may use the terminal. In the background it may not, and leaves it.
-    fn may_use_terminal(&self) -> io::Result<bool> {
-        #[cfg(unix)]
-        {
-            let is_in_foreground = self.is_in_foreground();
-            // After a stop, another program may have used the terminal: the donut has to enter it anew.
-            if self.was_continued.swap(false, SeqCst) || !is_in_foreground {
-                self.restore()?;
-            }
-            Ok(is_in_foreground)
-        }
-        #[cfg(windows)] // Windows has no job control.
-        Ok(true)
-    }
-
-    /// Waits until a key is pressed, but for `time` at most. False if none was.
+    /// Waits until a key is pressed or a signal comes, or until the time is up. Returns true if there is a
+    /// key to be read.
     fn wait(&self, time: Duration) -> io::Result<bool> {
         match &self.tty {
             #[cfg(unix)]
@@ -1099,20 +1203,25 @@ impl Console {
 
 #[cfg(unix)]
 impl Console {
-    /// The keys that were pressed, of those that are a single byte.
+    /// The keys that were pressed, of those that send a single byte.
+    ///
+    /// An arrow key, for one, sends a code: an ESC and more bytes. When an earlier program has asked the
+    /// terminal something, the answer may still come, and it is such a code as well. A code may arrive in
+    /// pieces. So everything that arrives from an ESC on, within ESCAPE_TIME, is dropped as part of a code.
+    /// The Esc key sends an ESC alone, or some of them if it is held down.
     fn keys(&self) -> io::Result<Vec<u8>> {
         let mut tty = match &self.tty {
             Some(tty) if self.wait(Duration::ZERO)? => tty,
             _ => return Ok(Vec::new()),
         };
-        let mut bytes = [0; 4096]; // One read returns no more.
+        let mut bytes = [0; 4096]; // A terminal holds no more for one read.
         let mut keys = match tty.read(&mut bytes)? {
-            0 => return Err(Errno::IO.into()), // It is gone.
+            0 => return Err(Errno::IO.into()), // The terminal is gone.
             count => bytes[..count].to_vec(),
         };
         if let Some(escape) = keys.iter().position(|&key| key == ESCAPE) {
             let mut code = keys.split_off(escape);
-            thread::sleep(Duration::from_millis(50));
+            thread::sleep(ESCAPE_TIME);
             if self.wait(Duration::ZERO)? {
                 let count = tty.read(&mut bytes)?;
                 code.extend_from_slice(&bytes[..count]);
@@ -1125,27 +1234,53 @@ impl Console {
     }
 
     /// Whether the donut is in the foreground.
+    ///
+    /// This cannot be asked if the terminal is gone, if it belongs to no job or to one in another container,
+    /// or if there is no terminal for the keys. Then nobody else is known to use it, and the answer is yes.
     fn is_in_foreground(&self) -> bool {
-        // Where this fails, no other job ...
         let foreground = self.tty.as_ref().map(termios::tcgetpgrp);
         foreground.is_none_or(|group| group.is_err() || group == Ok(getpgrp()))
     }
 
+    /// Whether the donut may use the terminal. In the background it may not, and leaves the terminal.
+    fn may_use_terminal(&self) -> io::Result<bool> {
+        let is_in_foreground = self.is_in_foreground();
+        // While the donut was stopped, another program may have used the terminal. If the donut leaves it
+        // here, the loop enters it anew.
+        if self.was_continued.swap(false, SeqCst) || !is_in_foreground {
+            self.leave()?;
+        }
+        Ok(is_in_foreground)
+    }
+
+    /// Stops the donut's whole job, on Ctrl-Z, until the shell's `fg` continues it.
+    ///
+    /// If the system did this by itself, it would stop a script that runs the donut before the donut could
+    /// leave the terminal, and the shell would write its prompt to the alternate screen. So the donut leaves
+    /// first, and then sends the job the signal that Ctrl-Z stands for. Where no shell could continue the
+    /// job, the system ignores the signal, and the loop enters the terminal again.
     fn suspend(&self) -> io::Result<()> {
+        // The first process of a container would not stop, but other processes of its job would.
         if process::id() == 1 {
             return Ok(());
         }
-        self.restore()?;
+        self.leave()?;
         Ok(kill_current_process_group(Signal::TSTP)?)
     }
 
+    /// Waits until standard output takes more bytes, or for a while, and then lets `write` try again.
+    ///
+    /// A terminal that has stopped reading takes no more bytes for any time. If a signal ends the donut, the
+    /// write must not wait for that. Then this makes room for what `leave` writes, and fails.
     fn wait_for_room(&self) -> io::Result<()> {
         if self.end_signal.load(SeqCst) == 0 {
             is_ready(&self.stdout, POLLOUT, POLL_INTERVAL);
             return Ok(());
         }
+        // In the background, each of these calls would stop the program.
         if self.is_in_foreground() {
-            let _ = termios::tcflush(&self.stdout, QueueSelector::OFlush);
+            let _ = termios::tcflush(&self.stdout, QueueSelector::OFlush); // Drops unread output.
+            // If somebody has stopped the output, it can only go on after it was stopped this way.
             let _ = termios::tcflow(&self.stdout, Action::OOff);
             let _ = termios::tcflow(&self.stdout, Action::OOn);
         }
@@ -1153,25 +1288,32 @@ impl Console {
     }
 }
 
-/// Waits until the file can be read or written, but for `time` at most.
+/// Waits until the file can be read from (POLLIN) or written to (POLLOUT), or until the time is up.
 #[cfg(unix)]
 fn is_ready(file: &File, events: i16, time: Duration) -> bool {
     let mut files = [pollfd { fd: file.as_raw_fd(), events, revents: 0 }];
-    // `poll` counts whole milliseconds and drops the rest. A signal ends it with an error.
+    // `poll` drops what is left of a millisecond. A signal ends it with an error.
     let ready = poll(&mut files, Some(time + Duration::from_micros(999)));
     ready.is_ok_and(|count| count > 0)
 }
 
-/// What _POSIX_VDISABLE is.
+/// The value of a special key that no byte stands for (_POSIX_VDISABLE).
 #[cfg(unix)]
 const NO_KEY: u8 = if cfg!(any(target_os = "linux", target_os = "android")) { 0 } else { 0xff };
 
+/// Standard output, without a buffer.
+///
+/// A write to a terminal that has stopped reading would block, and a signal could not end the program. So
+/// the terminal is opened once more, in such a way that writes do not block. The programs that share
+/// standard output do not notice.
 #[cfg(unix)]
 fn open_stdout(is_terminal: bool) -> io::Result<File> {
     let stdout = io::stdout();
     if is_terminal {
         let path = match termios::tcgetpgrp(&stdout) {
+            // It is not the terminal that the program was started from.
             Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new())?,
+            // Under this name, everybody may open the terminal, even after `su`.
             _ => c"/dev/tty".into(),
         };
         let flags = OFlags::WRONLY | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
@@ -1182,17 +1324,12 @@ fn open_stdout(is_terminal: bool) -> io::Result<File> {
     Ok(stdout.as_fd().try_clone_to_owned()?.into())
 }
 
-#[cfg(windows)]
-fn open_stdout(_: bool) -> io::Result<File> {
-    Ok(io::stdout().as_handle().try_clone_to_owned()?.into())
-}
-
 /// The terminal that the program was started from, whatever standard input is.
 fn open_tty() -> Option<File> {
     let tty = File::open(if cfg!(windows) { "CONIN$" } else { "/dev/tty" }).ok();
+    // Under `su -c donut`, the program may be in a session that has no terminal of its own.
     #[cfg(unix)]
     if tty.is_none() && io::stdin().is_terminal() {
-        // As in `su -c donut`: a session of its own, which no terminal belongs to.
         return io::stdin().as_fd().try_clone_to_owned().ok().map(File::from);
     }
     tty

@@ -1,4 +1,8 @@
-//! On a real pseudo-terminal: what is on the screen, and in what state it is left.
+//! The donut on a pseudo-terminal: what is on the screen, and how the terminal is left.
+//!
+//! A pseudo-terminal is one without a screen and a keyboard. `pty/mod.rs` makes them, and keeps the screen
+//! that a person would see. Some tests run the donut in a shell there, with job control: Ctrl-Z, `fg`, `bg`
+//! and `&`. Processes, as a shell sees them, are its jobs.
 #![cfg(unix)]
 
 mod pty;
@@ -13,14 +17,14 @@ use rustix::process::{Pid, Signal, kill_process};
 use rustix::termios::{Action, InputModes, OptionalActions, tcflow, tcgetattr, tcsetattr};
 
 const DONUT: &str = env!("CARGO_BIN_EXE_donut");
-/// A donut that stands still, so that every frame is the same picture.
+/// Options for a donut that stands still, so that every frame is the same picture.
 const STILL: [&str; 3] = ["-A=1", "-B=0.5", "--spin=0,0"];
 
 fn donut(options: &[&str], size: (u16, u16)) -> Pty {
     Pty::run(DONUT, options, size, "xterm-256color")
 }
 
-/// A still donut, once it is on the screen.
+/// Runs a still donut, and waits until it is on the screen.
 #[track_caller]
 fn still_donut(size: (u16, u16)) -> Pty {
     let pty = donut(&STILL, size);
@@ -28,12 +32,13 @@ fn still_donut(size: (u16, u16)) -> Pty {
     pty
 }
 
-/// The lines of a screen of the first size, with the still donut of a screen of the second size on it.
+/// The lines of a screen with the still donut on it. The donut has the size that fits another screen,
+/// `size`, which is often the same.
 fn picture(screen: (u16, u16), size: (u16, u16)) -> Vec<String> {
     last_picture(&[&STILL[..], &["--frames=1"]].concat(), screen, size)
 }
 
-/// The same for the last frame that these options draw.
+/// The lines of a screen with the last frame on it that the donut draws with these options.
 fn last_picture(
     options: &[&str],
     (columns, rows): (u16, u16),
@@ -50,12 +55,12 @@ fn last_picture(
     lines
 }
 
-/// Frames written so far.
+/// How many frames were written so far.
 fn frames(pty: &Pty) -> usize {
     pty.written().matches("\x1b[?2026l").count()
 }
 
-/// Presses q, which ends it.
+/// Presses q, and waits for the donut to end.
 #[track_caller]
 fn assert_quits(pty: &mut Pty) {
     pty.type_bytes(b"q");
@@ -97,14 +102,14 @@ fn every_frame_is_a_synchronized_update() {
     for update in updates.split("\x1b[?2026h") {
         let (frame, rest) = update.split_once("\x1b[?2026l").expect("an end");
         assert!(frame.starts_with("\x1b[H\r\n") && frame.matches("\r\n").count() == 22);
-        // After the last frame the terminal is given back.
+        // Between two updates nothing is written. What follows the last one restores the terminal.
         assert!(rest.is_empty() || rest.contains("\x1b[?25h"), "{rest:?}");
     }
 }
 
 #[test]
 fn q_escape_ctrl_c_and_ctrl_backslash_end_it_and_restore_the_terminal() {
-    // The last two are Ctrl-C and Ctrl-\, which are signals: shells report them as 130 and 131.
+    // The last two are Ctrl-C and Ctrl-\. They send signals, which a shell reports as 130 and 131.
     for (key, code) in [(&b"q"[..], 0), (b"\x1b", 0), (b"\x03", 130), (b"\x1c", 131)] {
         for fps in ["--fps=30", "--fps=1e-300", "--fps=0"] {
             let mut pty = donut(&[fps], (80, 24));
@@ -118,7 +123,7 @@ fn q_escape_ctrl_c_and_ctrl_backslash_end_it_and_restore_the_terminal() {
 
 #[test]
 fn drawing_again_neither_turns_the_donut_nor_counts_as_a_frame() {
-    // The second frame is due a hundred seconds later.
+    // The second frame is due after a hundred seconds, so the donut has to stand still.
     let mut pty = donut(&["-A=1", "-B=0.5", "--fps=0.01"], (80, 24));
     pty.wait_for("the picture", |pty| pty.lines() == picture((80, 24), (80, 24)));
     for _ in 0..3 {
@@ -147,13 +152,13 @@ fn drawing_again_neither_turns_the_donut_nor_counts_as_a_frame() {
 }
 
 #[test]
-fn the_size_is_looked_at_between_two_frames_however_rare() {
+fn a_new_size_is_seen_before_the_next_frame_but_one() {
     let mut pty = donut(&["--spin=0,0", "-A=1", "-B=0.5", "--fps=2"], (80, 24));
     pty.wait_for("some frames", |pty| frames(pty) > 1);
     pty.resize((100, 30));
     let now = frames(&pty);
     pty.wait_for("the new size", |pty| pty.lines() == picture((100, 30), (100, 30)));
-    // One may have been on its way.
+    // One frame of the old size may have been on its way, and the other one is the first of the new size.
     assert!(frames(&pty) <= now + 2, "{} frames", frames(&pty) - now);
     assert_quits(&mut pty);
 }
@@ -216,7 +221,8 @@ fn other_keys_do_nothing_and_are_not_echoed_however_fast_they_come() {
     assert_quits(&mut pty);
 }
 
-/// Types a code in pieces. False if this test was held up, so that they do not belong together.
+/// Types a code in pieces. Returns false if the pieces came so far apart, because the machine is busy, that
+/// the donut need not take them for one code.
 fn type_in_pieces(pty: &mut Pty, pieces: &[&str]) -> bool {
     let start = Instant::now();
     for piece in pieces {
@@ -272,7 +278,7 @@ fn escape_ends_it_when_it_is_held_down_or_pressed_again() {
         assert_eq!(pty.exit(), 0, "{keys:?}");
     }
     let mut pty = still_donut((80, 24));
-    // A key that is held down comes about thirty times a second.
+    // A key that is held down repeats about thirty times a second.
     for _ in 0..10 {
         pty.type_bytes(b"\x1b");
         sleep(Duration::from_millis(33));
@@ -319,7 +325,7 @@ fn a_terminal_that_does_not_know_its_size_is_taken_for_80x24() {
     for size in [(0, 0), (80, 0), (0, 24)] {
         let pty = donut(&STILL, size);
         pty.wait_for("a frame", |pty| frames(pty) > 0);
-        // The first of 80 columns is empty.
+        // A newline takes the place of the first of the 80 columns.
         let written = pty.written();
         let frame = written.split("\x1b[?2026h\x1b[H").nth(1).unwrap();
         let frame = frame.split("\x1b[?2026l").next().unwrap();
@@ -353,7 +359,8 @@ fn it_ends_by_the_signal_that_came_but_restores_the_terminal_first() {
 
 #[test]
 fn a_signal_at_the_start_ends_it_however_early_it_comes() {
-    // The first of its handlers takes any signal for Ctrl-C's: the others are not there yet.
+    // The handlers are set up one after another. The first one does not know which signal has come, and takes
+    // it for Ctrl-C's.
     let codes = [130, 143];
     for n in 0..400 {
         let mut pty = Pty::run(DONUT, &[], (80, 24), "xterm");
@@ -378,7 +385,7 @@ fn ctrl_c_ends_the_list_the_loop_and_the_script_that_the_donut_is_in() {
             type_line(&mut pty, &command.replace("DONUT", DONUT));
             pty.wait_for("a frame", |pty| frames(pty) > 0);
             pty.type_bytes(b"\x03");
-            // It is the shell again that reads this, with all of the above behind it.
+            // The shell only reads this line when the command above has ended.
             sleep(Duration::from_millis(300));
             type_line(&mut pty, "exit 5");
             assert_eq!(pty.exit(), 5, "{shell}: {command}");
@@ -388,7 +395,7 @@ fn ctrl_c_ends_the_list_the_loop_and_the_script_that_the_donut_is_in() {
     }
 }
 
-/// Whether this shell is installed. Where it is not, a test goes without it and says so.
+/// Whether this shell is installed. If not, this prints that the test goes without it.
 fn is_installed(shell: &str) -> bool {
     let is_installed = Command::new(shell).args(["-c", ":"]).status().is_ok();
     if !is_installed {
@@ -416,7 +423,7 @@ fn type_line(pty: &mut Pty, line: &str) {
     pty.type_bytes(format!("{line}\n").as_bytes());
 }
 
-/// A shell with a still donut that is on the screen.
+/// Runs a still donut in a shell, and waits until it is on the screen.
 #[track_caller]
 fn donut_in_a_shell(shell: &str) -> Pty {
     let mut pty = Pty::shell(shell, (80, 24));
@@ -434,13 +441,13 @@ fn wait_for_the_stop(pty: &Pty) {
     });
 }
 
-/// Waits for the end of the job, and has the shell say its exit code.
+/// Waits for the end of the job, and asks the shell for its exit code.
 #[track_caller]
 fn assert_code(pty: &mut Pty, code: u32) {
     pty.wait_for("its end", |pty| pty.job().is_none());
     type_line(pty, "echo code=$?");
     let said = format!("code={code}");
-    // A prompt may come before it.
+    // A prompt may stand before the answer.
     pty.wait_for(&said, |pty| pty.lines().iter().any(|line| line.ends_with(&said)));
 }
 
@@ -472,8 +479,9 @@ fn ctrl_z_gives_back_the_settings_of_the_terminal() {
     pty.signal_job("KILL");
 }
 
-/// The shell stops together with the donut that it runs. The other shell, which takes the terminal then,
-/// must find it as it was, or its prompt would be written to the alternate screen and go with it.
+/// Ctrl-Z stops a whole job: the donut, and the script or subshell that it is in. As soon as the script has
+/// stopped, the shell writes its prompt. If the donut were still on the alternate screen at that time, the
+/// prompt would vanish with that screen.
 #[test]
 fn after_ctrl_z_under_a_script_or_in_a_subshell_the_prompt_can_be_read() {
     for shell in ["bash", "dash"].into_iter().filter(|shell| is_installed(shell)) {
@@ -488,7 +496,7 @@ fn after_ctrl_z_under_a_script_or_in_a_subshell_the_prompt_can_be_read() {
                 pty.wait_for("the shell", |pty| {
                     pty.lines().iter().any(|line| line.contains("Stopped"))
                 });
-                // bash has settings of its own for its prompt.
+                // bash changes the settings for its prompt.
                 if shell == "dash" {
                     pty.assert_settings_restored();
                 }
@@ -520,7 +528,8 @@ fn a_signal_that_comes_with_a_ctrl_z_ends_it() {
     let mut pty = Pty::shell("bash", (80, 24));
     type_line(&mut pty, &format!("sh -c '{DONUT}; exit $?'"));
     pty.wait_for("a frame", |pty| frames(pty) > 0);
-    // The donut is the child of the shell's job. While it is stopped, both arrive.
+    // The job is the inner shell, and the donut is a child of the job. If only the donut is stopped, bash does
+    // not notice. So the key and the signal are both there when the donut goes on.
     let job = pty.job().unwrap();
     let signal_donut = |signal| {
         let status = Command::new("pkill").args([signal, "-P", &job]).status();
@@ -558,7 +567,7 @@ fn in_a_pid_namespace_ctrl_z_stops_it_unless_it_is_the_first_process() {
         println!("not tested: this machine does not let us make a pid namespace");
         return;
     }
-    // As its first process, which no signal can stop or end.
+    // As the first process of its namespace, which signals do not stop.
     let mut pty = Pty::shell("bash", (80, 24));
     type_line(&mut pty, &format!("{unshare} {DONUT}"));
     pty.wait_for("a frame", |pty| frames(pty) > 0);
@@ -568,7 +577,7 @@ fn in_a_pid_namespace_ctrl_z_stops_it_unless_it_is_the_first_process() {
     pty.wait_for("more frames", |pty| frames(pty) > now + 5);
     pty.type_bytes(b"\x03");
     assert_code(&mut pty, 130);
-    // As a later process, and in a shell that has job control inside the namespace.
+    // As another process, with the shell outside of the namespace, and then with a shell inside.
     let shells = [format!("sh -c '{DONUT}; exit 5'"), "bash --norc -i".to_string()];
     for (shell, command) in shells.iter().zip(["", DONUT]) {
         let mut pty = Pty::shell("bash", (80, 24));
@@ -618,11 +627,12 @@ fn a_stopped_donut_takes_the_terminal_again_whoever_stopped_it() {
             sleep(Duration::from_millis(300));
         }
         pty.wait_for("the picture", |pty| pty.lines() == picture((80, 24), (80, 24)));
-        // In raw mode the key is not echoed, and need not wait for a newline.
+        // The settings are the donut's again: the key is read without a newline, and not echoed.
         pty.type_bytes(b"q");
         assert_code(&mut pty, 0);
         assert!(!pty.lines().iter().any(|line| line.starts_with('q')), "{:?}", pty.lines());
-        // dash does not restore the settings that a stopped job leaves. bash has its own for its prompt.
+        // Where a stopped job has changed the settings, dash leaves them as they are, so the donut has to
+        // remember the ones from before. bash changes the settings for its prompt.
         if shell == "dash" {
             pty.assert_settings_restored();
         }
@@ -654,7 +664,7 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
         pty.type_bytes(b"\x1a");
         wait_for_the_stop(pty);
     }
-    // Half of an arrow key's code, as Alt-[ is: the other half never comes.
+    // Alt-[ sends the first half of an arrow key's code, and the other half never comes.
     let half_a_key: Step = |pty| {
         pty.type_bytes(b"\x1b[");
         sleep(Duration::from_millis(100));
@@ -681,9 +691,9 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
     let start_behind: Step = |pty| {
         type_line(pty, &format!("{DONUT} &"));
         if cfg!(target_os = "linux") {
-            pty.wait_for("its handlers", Pty::is_ready_to_be_killed);
+            pty.wait_for("its handlers", Pty::has_sigterm_handler);
         } else {
-            // No other ps tells which signals are caught.
+            // Only the ps of Linux tells which signals are caught.
             sleep(Duration::from_secs(1));
         }
     };
@@ -701,7 +711,7 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
         let mut pty = Pty::shell("bash", (80, 24));
         steps.iter().for_each(|step| step(&mut pty));
         pty.wait_for("its end", |pty| pty.job().is_none());
-        // So the shell calls a job that ended by a signal, at the latest when another job ends as well.
+        // bash reports how a job has ended, at the latest when another job ends as well.
         type_line(&mut pty, "(:)");
         let ends = ["Terminated", "Hangup"];
         pty.wait_for("its signal", |pty| ends.iter().any(|end| pty.written().contains(end)));
@@ -716,7 +726,8 @@ fn timeout_ends_it_in_the_foreground_and_in_the_background() {
     type_line(&mut pty, &format!("timeout 1 {DONUT}"));
     pty.wait_for("a frame", |pty| frames(pty) > 0);
     assert_code(&mut pty, 124);
-    // Without job control timeout puts it into the background of its own terminal.
+    // timeout makes the donut a job of its own. Where there is no job control, nothing puts this job into the
+    // foreground.
     let command = format!("timeout 1 {DONUT}; exit $?");
     let mut pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
     assert_eq!(pty.exit(), 124);
@@ -726,7 +737,7 @@ fn timeout_ends_it_in_the_foreground_and_in_the_background() {
 
 #[test]
 fn it_ends_when_the_terminal_goes_even_without_sighup() {
-    // A shell that ignores SIGHUP, or that is not told of it, passes none on.
+    // A program that ignores SIGHUP passes this on to the programs that it starts.
     let quiet = |options| format!("trap '' HUP; {DONUT} {options}; exit $?");
     for (command, key) in [
         (format!("exec {DONUT} --fps=5"), &b"x"[..]),
@@ -742,7 +753,7 @@ fn it_ends_when_the_terminal_goes_even_without_sighup() {
         pty.type_bytes(key);
         sleep(Duration::from_millis(300));
         pty.hang_up();
-        // The session's first process is told by SIGHUP, or finds out by itself.
+        // The first process of a session gets a SIGHUP, but it may see before that that the terminal is gone.
         let code = pty.exit();
         assert!(code == 1 || (code == 129 && command.starts_with("exec")), "{code}: {command}");
     }
@@ -778,13 +789,13 @@ fn on_a_terminal_that_reads_nothing_signals_end_it_and_restore() {
 
 #[test]
 fn where_somebody_has_stopped_the_output_a_signal_ends_it_and_restores() {
-    // The kernel keeps apart whether a program or a key has stopped the output.
+    // Output that a program has stopped and output that a key has stopped go on in different ways.
     for by_key in [false, true] {
         let mut pty = donut(&["--fps=0"], (80, 24));
         pty.wait_for("a frame", |pty| frames(pty) > 0);
         let terminal = File::open(pty.path()).unwrap();
         if by_key {
-            // Ctrl-S stops the output only where the settings say so.
+            // In raw mode Ctrl-S is a key like any other, unless a program changes this setting.
             let mut settings = tcgetattr(&terminal).unwrap();
             settings.input_modes.insert(InputModes::IXON);
             tcsetattr(&terminal, OptionalActions::Now, &settings).unwrap();
@@ -834,7 +845,7 @@ fn a_terminal_that_reads_nothing_for_a_while_goes_on_afterwards() {
 }
 
 #[test]
-fn a_signal_ends_it_while_another_terminal_than_its_own_reads_nothing() {
+fn a_signal_ends_it_on_a_terminal_that_is_not_its_own_and_reads_nothing() {
     let shown = Pty::run_unread("sleep", &["100"], (200, 50), "xterm");
     let command = format!("exec {DONUT} --fps=0 > {}", shown.path());
     let mut pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
@@ -851,7 +862,7 @@ fn a_signal_ends_it_while_another_terminal_than_its_own_reads_nothing() {
 fn keys_and_signals_are_obeyed_on_a_terminal_that_reads_slowly() {
     let ends: [fn(&mut Pty); 2] = [|pty| pty.type_bytes(b"q"), |pty| pty.signal("TERM")];
     for (end, code) in ends.into_iter().zip([0, 143]) {
-        // 5 kB a second, where a frame is 1.8 kB.
+        // The terminal reads 5 kB a second, and a frame has 1.8 kB.
         let mut pty = Pty::run_unread(DONUT, &[], (80, 24), "xterm");
         pty.read(200, Duration::from_millis(40));
         pty.wait_for("two frames", |pty| frames(pty) > 1);
@@ -864,7 +875,7 @@ fn keys_and_signals_are_obeyed_on_a_terminal_that_reads_slowly() {
 
 #[test]
 fn keys_and_resizes_in_the_middle_of_a_slow_frame_are_obeyed() {
-    // 50 kB a second, where a frame is 10 kB.
+    // The terminal reads 50 kB a second, and a frame has 10 kB.
     let mut pty = Pty::run_unread(DONUT, &["--fps=0"], (200, 50), "xterm");
     pty.read(2000, Duration::from_millis(40));
     pty.wait_for("a frame", |pty| frames(pty) > 0);
@@ -879,7 +890,7 @@ fn keys_and_resizes_in_the_middle_of_a_slow_frame_are_obeyed() {
 }
 
 #[test]
-fn kill_9_leaves_a_terminal_on_which_a_shell_still_works() {
+fn after_kill_9_a_shell_still_works() {
     for shell in ["dash", "bash"].into_iter().filter(|shell| is_installed(shell)) {
         let mut pty = donut_in_a_shell(shell);
         pty.signal_job("KILL");
@@ -899,7 +910,7 @@ fn a_q_that_comes_in_the_middle_of_a_long_frame_is_obeyed() {
 }
 
 #[test]
-fn the_size_is_that_of_the_terminal_it_draws_on() {
+fn the_picture_fits_the_terminal_that_it_is_drawn_on() {
     let shown = Pty::run("sleep", &["100"], (60, 20), "xterm");
     let command = format!("exec {DONUT} {} > {}", STILL.join(" "), shown.path());
     let mut pty = Pty::run("sh", &["-c", &command], (100, 30), "xterm");
@@ -915,7 +926,7 @@ fn when_the_terminal_of_the_keys_goes_that_of_the_picture_is_given_back() {
     let mut pty = Pty::run_unread("sh", &["-c", &command], (80, 24), "xterm");
     shown.wait_for("a frame", |shown| frames(shown) > 0);
     pty.hang_up();
-    // It is told by SIGHUP, or finds out by itself.
+    // It gets a SIGHUP, but it may see before that that the terminal is gone.
     assert!([1, 129].contains(&pty.exit()));
     shown.assert_restored();
 }
@@ -974,8 +985,8 @@ fn without_any_keys_it_runs_on_signals() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn it_takes_little_time_whatever_standard_input_is_and_in_the_background() {
-    // The last one is in the background, where it does not draw but wait.
+fn it_takes_little_processor_time_whatever_standard_input_is_and_in_the_background() {
+    // The last command runs the donut in the background, where it waits.
     for (command, draws) in [
         (format!("{DONUT} < /dev/null; true"), true),
         (format!("true | {DONUT}"), true),
@@ -999,7 +1010,7 @@ fn with_frames_it_draws_in_place_and_the_last_picture_stays() {
     assert_eq!(pty.exit(), 0);
     assert!(!pty.written().contains("\x1b[?1049h"));
     assert_eq!(pty.lines(), picture((80, 24), (80, 24)));
-    // The shell's prompt comes below.
+    // The shell's prompt comes below the picture.
     assert_eq!(pty.screen(vt100::Screen::cursor_position), (23, 0));
     pty.assert_restored();
 }
@@ -1014,7 +1025,7 @@ fn a_dumb_terminal_gets_one_still_frame_without_an_escape() {
 }
 
 #[test]
-fn no_frames_are_no_bytes_on_any_terminal() {
+fn with_frames_0_nothing_is_written_to_any_terminal() {
     for term in ["dumb", "xterm"] {
         let mut pty = Pty::run(DONUT, &["--frames=0"], (80, 24), term);
         assert_eq!(pty.exit(), 0);

@@ -11,18 +11,18 @@ use filedescriptor::{POLLIN, poll, pollfd};
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, SlavePty, native_pty_system};
 use vt100::{Parser, Screen};
 
-/// How long to wait for something to come true, even on a loaded machine.
+/// How long to wait for something that has to happen, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 pub struct Pty {
-    /// Gone once it is hung up.
+    /// The side of the terminal that the person sees. `None` after the person has hung up.
     master: Option<Box<dyn MasterPty + Send>>,
-    /// Kept, or the terminal would be closed with the program.
+    /// The side of the program. It is kept here, because the terminal would go when nobody has it open.
     _slave: Box<dyn SlavePty + Send>,
     child: Box<dyn Child + Send + Sync>,
     keys: Option<Arc<Mutex<dyn Write + Send>>>,
     seen: Arc<Mutex<Seen>>,
-    /// The terminal's settings before the program came, as text.
+    /// The terminal's settings before the program started, as text.
     settings: String,
 }
 
@@ -99,7 +99,7 @@ impl Pty {
         let settings = format!("{:?}", pair.master.get_termios().unwrap());
         let mut command = CommandBuilder::new(program);
         command.args(arguments);
-        // The last two are for shells: English messages, and no history file.
+        // The shells have to speak English, and must not write to anybody's history.
         for (name, value) in [("TERM", term), ("LC_ALL", "C"), ("HISTFILE", "")] {
             command.env(name, value);
         }
@@ -122,7 +122,8 @@ impl Pty {
         self.master.as_deref().unwrap()
     }
 
-    /// Types on the keyboard. A terminal whose program does not read takes no more at some point.
+    /// Types on the keyboard. If the program reads no keys, the terminal takes no more of them at some point.
+    /// Then this panics.
     #[track_caller]
     pub fn type_bytes(&mut self, bytes: &[u8]) {
         let (keys, bytes) = (self.keys.clone().unwrap(), bytes.to_vec());
@@ -141,7 +142,7 @@ impl Pty {
         self.master().resize(pty_size(size)).unwrap();
     }
 
-    /// Leaves something on the screen, as a terminal may that rearranges it for a new size.
+    /// Puts something on the screen. Terminals may do so when they rearrange the screen for a new size.
     pub fn scribble(&self) {
         self.seen.lock().unwrap().terminal.process(b"\x1b[2;1Hscribble\x1b[22;1Hscribble");
     }
@@ -162,7 +163,8 @@ impl Pty {
         kill(name, &format!("-{}", self.process()));
     }
 
-    /// What `ps` says in one column about the process that the program runs, unless that has ended.
+    /// What `ps` says in one column about the process that the program runs: for a shell, its job. `None` if
+    /// this process has ended.
     fn job_column(&self, column: &str) -> Option<String> {
         let parent = self.process().to_string();
         let path = self.path();
@@ -177,24 +179,24 @@ impl Pty {
         })
     }
 
-    /// The process that the program runs, until it ends.
+    /// The number of the process that the program runs. `None` if this process has ended.
     pub fn job(&self) -> Option<String> {
         self.job_column("pid=")
     }
 
-    /// Whether what the program runs has a handler for SIGTERM, and can be killed gracefully.
-    pub fn is_ready_to_be_killed(&self) -> bool {
+    /// Whether the process that the program runs has a handler for SIGTERM.
+    pub fn has_sigterm_handler(&self) -> bool {
         let caught =
             self.job_column("caught=").and_then(|mask| u64::from_str_radix(&mask, 16).ok());
         caught.is_some_and(|mask| mask & 1 << 14 != 0)
     }
 
-    /// Whether what the program runs is stopped.
+    /// Whether the process that the program runs is stopped.
     pub fn is_stopped(&self) -> bool {
         self.job_column("state=").is_some_and(|state| state.starts_with('T'))
     }
 
-    /// Sends a signal to what the program runs, and to nothing else.
+    /// Sends a signal to the process that the program runs, and to no other.
     pub fn signal_job(&self, name: &str) {
         kill(name, &self.job().expect("a job"));
     }
@@ -217,12 +219,12 @@ impl Pty {
         })
     }
 
-    /// All that was written so far.
+    /// All that the program has written so far, escape codes included.
     pub fn written(&self) -> String {
         String::from_utf8(self.seen.lock().unwrap().bytes.clone()).unwrap()
     }
 
-    /// Waits for something to come true.
+    /// Waits until something is true. `what` is its name, in case it never is.
     #[track_caller]
     pub fn wait_for(&self, what: &str, is_true: impl Fn(&Pty) -> bool) {
         let start = Instant::now();
@@ -237,13 +239,26 @@ impl Pty {
         self.child.try_wait().unwrap().is_none()
     }
 
-    /// Waits for the program to end and for all that it wrote. Returns what a shell would call its exit code.
+    /// Waits for the program to end, and until all that it wrote is read. Returns what a shell would call
+    /// its exit code.
     #[track_caller]
     pub fn exit(&mut self) -> u32 {
         let code = self.exit_code();
-        // What the program wrote last is still on its way.
-        thread::sleep(Duration::from_millis(100));
+        // The output stays unread where nobody reads it, or the terminal is gone.
+        for _ in 0..10 {
+            thread::sleep(Duration::from_millis(100));
+            if self.master.is_none() || !self.is_unread() {
+                break;
+            }
+        }
         code
+    }
+
+    /// Whether there is output that was not read yet.
+    fn is_unread(&self) -> bool {
+        let fd = self.master().as_raw_fd().unwrap();
+        let mut output = [pollfd { fd, events: POLLIN, revents: 0 }];
+        poll(&mut output, Some(Duration::ZERO)).unwrap() > 0
     }
 
     /// Waits for the program to end. Returns what a shell would call its exit code.
@@ -262,7 +277,8 @@ impl Pty {
         })
     }
 
-    /// Cursor, screen, synchronized updates and settings are as they were before the program came.
+    /// Asserts that cursor, screen, colour, synchronized updates and settings are as they were before the
+    /// program started.
     #[track_caller]
     pub fn assert_restored(&self) {
         let (hidden, alternate) = self.screen(|s| (s.hide_cursor(), s.alternate_screen()));
