@@ -1,24 +1,25 @@
-//! The manual page and the completions in tests/dist: the page is written by hand and checked here, the
-//! completions are made from the options.
+//! The files of tests/dist. The manual page is written by hand, and these tests compare it with the
+//! program. The completions for shells are made from the program's options, and these tests make
+//! them again.
 
+use super::stored::{assert_current, read};
 use super::*;
 use clap::builder::PossibleValuesParser;
 use clap_complete::{Shell, generate};
 use std::collections::BTreeSet;
 use std::fmt::Display;
 
-const DIST: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/dist");
-
-/// The manual page without its fonts.
+/// The text of the manual page, without the escape codes that choose a font.
 fn manual_page() -> String {
-    let mut page = std::fs::read_to_string(format!("{DIST}/donut.1")).unwrap();
+    let mut page = read("tests/dist/donut.1");
     for (escape, text) in [("\\fB", ""), ("\\fI", ""), ("\\fR", ""), ("\\-", "-"), ("\\ ", " ")] {
         page = page.replace(escape, text);
     }
     page
 }
 
-/// The line of the page that introduces an option, a key or an exit code, and the text below it.
+/// An entry of the page, for an option, a key or an exit code: the line with its names, and the
+/// text below it.
 fn entry<'a>(page: &'a str, name: &str) -> (&'a str, &'a str) {
     page.split("\n.")
         .filter_map(|part| part.strip_prefix("TP\n")?.split_once('\n'))
@@ -30,7 +31,7 @@ fn assert_contains(text: &str, part: &str) {
     assert!(text.contains(part), "no {part:?} in {text:?}");
 }
 
-/// The names of the colours, as the help of --color lists them.
+/// The names of the colours, in the order in which the help of --color lists them.
 fn color_names() -> Vec<&'static str> {
     let command = Options::command();
     let color = command.get_arguments().find(|option| option.get_id() == "color").unwrap();
@@ -67,11 +68,40 @@ fn the_manual_page_has_every_option_with_its_values_and_no_other() {
     assert_eq!(named.collect::<BTreeSet<_>>(), options);
 }
 
+/// Checks that a text names a range: "from 0 to 10" is not in "from 0 to 100".
+fn assert_allows(text: &str, range: &str) {
+    let mut rests = text.match_indices(range).map(|(start, _)| &text[start + range.len()..]);
+    let is_named = rests.any(|rest| !rest.starts_with(|next: char| next.is_ascii_digit()));
+    assert!(is_named, "no {range:?} in {text:?}");
+}
+
+/// The range of an option, in the words of the manual page and of the help.
+fn ends<T: Display>((range, _): Numbers<T>) -> String {
+    format!("from {} to {}", range.start(), range.end())
+}
+
+#[test]
+fn the_help_says_which_numbers_are_allowed() {
+    let (least, most) = (RING_RATIOS.start(), RING_RATIOS.end());
+    let command = Options::command();
+    for (name, range) in [
+        ("fps", ends(RATES)),
+        ("spin", format!("from {:e} to {:e}", ANGLES.0.start(), ANGLES.0.end())),
+        ("width", ends(SIZES)),
+        ("height", ends(SIZES)),
+        ("aspect", ends(ASPECTS)),
+        ("r1", ends(LENGTHS)),
+        ("r2", format!("{least} to {most} times --r1")),
+        ("k2", format!("{LEAST_DISTANCE} times the sum of --r1 and --r2")),
+    ] {
+        let option = command.get_arguments().find(|option| option.get_id() == name).unwrap();
+        let help = option.get_long_help().or(option.get_help()).unwrap().to_string();
+        assert_allows(&help.replace("From", "from"), &range);
+    }
+}
+
 #[test]
 fn the_manual_page_says_which_values_are_allowed() {
-    fn ends<T: Display>((range, _): Numbers<T>) -> String {
-        format!("from {} to {}", range.start(), range.end())
-    }
     let page = manual_page();
     let angles = format!("at most {:e} either way", ANGLES.0.end());
     for (option, range) in [
@@ -87,13 +117,13 @@ fn the_manual_page_says_which_values_are_allowed() {
         ("--r2", ends(LENGTHS)),
         ("--k2", ends(LENGTHS)),
     ] {
-        assert_contains(entry(&page, option).1, &range);
+        assert_allows(entry(&page, option).1, &range);
     }
     let colors: Vec<_> = entry(&page, "--color").1.split([' ', ',', '.', '\n']).collect();
     for name in color_names() {
         assert!(colors.contains(&name), "no {name} in {colors:?}");
     }
-    // What the program says where it refuses values that do not fit together.
+    // The rules for options that do not fit together are those that the program names in its messages.
     for options in [&["--r2=0.5"][..], &["--k2=1"], &["--method=classic", "--r2=3"]] {
         let options = Options::parse_from([&["donut"], options].concat());
         let conflict = options.conflict().unwrap();
@@ -123,7 +153,7 @@ fn the_manual_page_has_the_keys_exit_codes_and_examples_and_the_version() {
     assert_contains(page.lines().next().unwrap(), version);
 }
 
-/// The shells that have completions, and the names of the files.
+/// The shells that have completions, and the files that these are in.
 const SHELLS: [(Shell, &str); 4] = [
     (Shell::Bash, "donut.bash"),
     (Shell::Zsh, "_donut"),
@@ -132,7 +162,7 @@ const SHELLS: [(Shell, &str); 4] = [
 ];
 
 fn completion(shell: Shell) -> String {
-    // The options take other colours too, but only names can be completed.
+    // --color takes numbers as well, but only names can be completed.
     let mut command = Options::command().mut_args(|option| match option.get_id().as_str() {
         "color" => option.value_parser(PossibleValuesParser::new(color_names())),
         _ => option,
@@ -140,7 +170,8 @@ fn completion(shell: Shell) -> String {
     let mut script = Vec::new();
     generate(shell, &mut command, "donut", &mut script);
     let script = String::from_utf8(script).unwrap();
-    // What is left is to forbid the names of files where no option is typed.
+    // Where no option is being typed, bash and fish would complete the names of files. The donut
+    // takes none.
     match shell {
         Shell::Bash => script.replace(" -o bashdefault -o default", ""),
         Shell::Fish => format!("complete -c donut -f\n{script}"),
@@ -149,23 +180,15 @@ fn completion(shell: Shell) -> String {
 }
 
 #[test]
-fn the_completions_are_those_of_the_options() {
+fn the_stored_completions_are_those_for_the_options() {
     for (shell, name) in SHELLS {
-        let path = format!("{DIST}/{name}");
-        if env::var_os("UPDATE").is_some() {
-            std::fs::write(&path, completion(shell)).unwrap();
-        }
-        let stored = std::fs::read_to_string(&path).unwrap();
-        assert!(
-            stored == completion(shell),
-            "tests/dist/{name} is stale: run UPDATE=1 cargo test, and commit it"
-        );
+        assert_current(&format!("tests/dist/{name}"), &completion(shell));
     }
 }
 
 #[test]
 fn completions_offer_the_names_of_the_colours_and_no_files() {
-    // PowerShell's script completes the options, but no values.
+    // The script for PowerShell completes the options, but not their values.
     for shell in [Shell::Bash, Shell::Zsh, Shell::Fish] {
         let script = completion(shell);
         assert!(color_names().iter().all(|name| script.contains(name)), "{shell}: {script}");

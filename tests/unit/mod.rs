@@ -1,16 +1,17 @@
 //! The tests that look inside the program. Those in the folder above only run it.
 //!
-//! - `exact.rs`: every cell that `exact` draws shows what the oracle sees there.
-//! - `oracle.rs`: what a ray truly sees, found slowly and in another way than the program's.
-//! - `classic.rs`: what `classic` is built of, and where its picture differs from the truth.
-//! - `clock.rs`: the angles A and B, frame after frame, and which method `auto` then chooses.
-//! - `terminal.rs`: what a panic leaves on the terminal.
-//! - `dist.rs`: whether the manual page and the completions of tests/dist say what the program does.
-//! - `chart/`: measures speed and accuracy, and draws the charts of tests/chart: `plot.rs` is how they
-//!   are drawn, `rivals.rs` the other methods that they compare with ours.
+//! - `oracle.rs`: a second way to find what a ray sees. It is slow, and shares no code with the program.
+//! - `exact.rs`: every cell that the method exact draws shows what the oracle sees there.
+//! - `classic.rs`: the parts of the method classic, and how its picture differs from the oracle's.
+//! - `clock.rs`: the angles A and B of frame after frame, and the method that `auto` chooses by them.
+//! - `panic.rs`: the terminal is restored after a panic.
+//! - `dist.rs`: the manual page and the completions in tests/dist say what the program does.
+//! - `chart/`: measures the speed and the accuracy of several methods, and draws the charts of
+//!   tests/chart. The methods that are not the program's own are in `other_methods.rs`, and the
+//!   drawing is in `plot.rs`.
 //!
-//! This file has what several of them need: views, poses, and the comparison of a picture with the
-//! oracle.
+//! This file has what several of these tests need: views, poses, and the comparison of a picture
+//! with what the oracle sees.
 
 mod chart;
 mod classic;
@@ -19,24 +20,28 @@ mod dist;
 mod exact;
 mod oracle;
 #[cfg(unix)]
-mod terminal;
+mod panic;
+#[path = "../stored/mod.rs"]
+mod stored;
 
 use super::*;
 use oracle::{Oracle, Verdict};
 
-/// donut.c's view enlarged: what `--width` and `--height` draw is fitted instead.
+/// donut.c's view, with each cell divided into `times` by `times` cells. The program itself never
+/// draws this view: it fits the donut to the size that `--width` and `--height` ask for, as
+/// `fitted` does.
 fn enlarged(times: usize) -> View {
     let View { r2, k2, width, height, .. } = View::DONUT_C;
     let [cx, cy, k1x, k1y] = [40.0, 12.0, 30.0, 15.0].map(|value| times as f64 * value);
     View { r2, k2, width: times * width, height: times * height, cx, cy, k1x, k1y }
 }
 
-/// donut.c's donut in a picture of another size.
+/// The program's view of donut.c's donut in a picture of this size.
 fn fitted(width: usize, height: usize) -> View {
     View::new(width, height, 2.0, 2.0, 5.0)
 }
 
-/// What the oracle sees in such a view.
+/// The oracle for the donut of this view, turned by A and B.
 fn oracle_of(view: &View, a: f64, b: f64) -> Oracle {
     Oracle::new(1.0, view.r2, view.k2, a, b)
 }
@@ -46,20 +51,21 @@ fn direction(view: &View, x: f64, y: f64) -> (f64, f64) {
     ((x - view.cx) / view.k1x, (y - view.cy) / view.k1y)
 }
 
-/// The level of a glyph, from 0, the darkest, to 11; nothing for a blank.
+/// The level of a glyph: its place in the ramp, from 0 for the darkest to 11. A blank has none.
 fn level(glyph: u8) -> Option<usize> {
     let level = RAMP.iter().position(|&ramp| ramp == glyph);
     assert!(level.is_some() || glyph == b' ', "{glyph:?} is no glyph");
     level
 }
 
-/// Every 61st of donut.c's own poses.
+/// Poses of donut.c itself, 61 frames apart.
 fn own_poses(count: usize) -> Vec<(f64, f64)> {
     (0..count).map(|n| (2.44 * n as f64, 1.22 * n as f64)).collect()
 }
 
-/// A renderer for any view. An enlarged one reaches further below the picture than the program's own, so
-/// its z-buffer needs more rows.
+/// A renderer for any view, enlarged ones included. donut.c's own view reaches below the picture,
+/// by less than the two rows that the program adds to its z-buffer. Enlarged, it reaches further,
+/// so this adds more.
 fn renderer(view: View, method: Method) -> Renderer {
     let mut renderer = Renderer::new(view, method, RAMP);
     renderer.zbuffer.resize(view.width * (view.height + 2 + view.height / 10), 0.0);
@@ -72,7 +78,8 @@ fn draw(method: Method, view: View, a: f64, b: f64) -> Vec<u8> {
     renderer.framebuffer
 }
 
-/// How many cells there are, how many of them show the donut, and how many are ties or wrong.
+/// Counts the cells of pictures: all, those that show the donut, and those of each verdict of the
+/// oracle but `Right`. `oracle.rs` explains the verdicts.
 #[derive(Debug, Default)]
 struct Tally {
     cells: usize,
@@ -84,7 +91,7 @@ struct Tally {
 }
 
 impl Tally {
-    /// Adds the cells of a picture, in which `oracle`'s torus should be seen.
+    /// Adds the cells of a picture that should show the oracle's torus.
     fn add(&mut self, oracle: &Oracle, view: &View, framebuffer: &[u8]) {
         for row in 1..view.height {
             for column in 1..view.width {
@@ -111,7 +118,7 @@ impl Tally {
         self.holes + self.extra + self.shades
     }
 
-    /// No cell is wrong, some show the donut, and next to none are ties.
+    /// Checks that no cell is wrong, that some cells show the donut, and that almost none are ties.
     #[track_caller]
     fn assert_right(&self) {
         println!("{self:?}");

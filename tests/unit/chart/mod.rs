@@ -1,34 +1,37 @@
-//! What each way to draw the donut costs, and how wrong it is: the tables and the charts of tests/chart,
-//! and the table in the README.
+//! How long each method takes to draw the donut, and how many cells it gets wrong. From that follow
+//! the tables and the charts of tests/chart, and the table in the README.
 //!
-//! `cargo test --release chart -- --ignored --nocapture` measures, and writes all of them.
+//! To measure again and write all of these files, run
+//! `cargo test --release chart -- --ignored --nocapture`.
 
+mod other_methods;
 mod plot;
-mod rivals;
 
 use std::fmt::Write as _;
 use std::fs;
 
-use self::rivals::*;
+use self::other_methods::*;
 use super::classic::with_steps;
+use super::stored::{assert_current, path, read};
 use super::*;
 
 /// Draws the donut turned by A and B into a blank framebuffer.
 type Draw = Box<dyn FnMut(f64, f64, &mut [u8])>;
 
-struct Way {
+/// A method of this program, or another one to compare it with.
+struct NamedMethod {
     name: String,
     draw: Draw,
 }
 
-/// Cells that show another glyph than the oracle sees at their centre, by kind.
+/// How many cells show another glyph than the oracle sees at their centre, by kind.
 #[derive(Clone, Copy, Default)]
 struct Wrong {
     one_shade: usize,
     more_shades: usize,
-    /// Drawn where the oracle sees no donut.
+    /// The cell shows the donut, but the oracle sees none.
     extra: usize,
-    /// Blank where it does.
+    /// The cell is blank, but the oracle sees the donut.
     holes: usize,
 }
 
@@ -47,7 +50,8 @@ impl Wrong {
         self.one_shade + self.more_shades + self.extra + self.holes
     }
 
-    /// Wrong cells, in per cent of those at whose centre the oracle sees the donut.
+    /// The wrong cells, in per cent of `surface`: the number of cells in which the oracle sees the
+    /// donut.
     fn share(&self, surface: usize) -> f64 {
         100.0 * self.sum() as f64 / surface as f64
     }
@@ -60,60 +64,65 @@ impl Wrong {
     }
 }
 
-/// In how many of donut.c's own poses cells are compared.
+/// In how many of donut.c's own poses the cells are compared with the oracle.
 const POSES: usize = 50;
 const TITLES: &str = "method,size,us per frame (median),us (10th percentile),us (90th percentile),\
     wrong cells,cells of the donut,% wrong,one shade off,more shades off,extra outline,holes\n";
 
-fn way(name: impl Into<String>, draw: impl FnMut(f64, f64, &mut [u8]) + 'static) -> Way {
-    let (name, draw) = (name.into(), Box::new(draw));
-    Way { name, draw }
+fn named(name: impl Into<String>, draw: impl FnMut(f64, f64, &mut [u8]) + 'static) -> NamedMethod {
+    NamedMethod { name: name.into(), draw: Box::new(draw) }
 }
 
-fn program(name: impl Into<String>, mut renderer: Renderer) -> Way {
-    way(name, move |a, b, cells| {
+/// A method of the program itself.
+fn program(name: impl Into<String>, mut renderer: Renderer) -> NamedMethod {
+    named(name, move |a, b, cells| {
         renderer.render_frame(a, b);
         cells.copy_from_slice(&renderer.framebuffer);
     })
 }
 
-fn sphere_tracing(view: View, most_steps: usize) -> Way {
-    way(format!("sphere tracing {most_steps}"), move |a, b, cells| {
+fn sphere_tracing(view: View, most_steps: usize) -> NamedMethod {
+    named(format!("sphere tracing {most_steps}"), move |a, b, cells| {
         trace_with((a, b), &view, cells, |torus, rays| sphere_trace(torus.r2, rays, most_steps));
     })
 }
 
-/// Finds the first hit of one ray after another, from its d0, f0 and fu.
+/// A method that follows one ray after another. `first_hit` finds the s of a ray's first hit from
+/// its d0, f0 and fu, as they are defined at `Torus`.
 fn ray_by_ray(
     name: &str,
     view: View,
     first_hit: impl Fn(&Torus, f64, f64, f64) -> f64 + 'static,
-) -> Way {
-    way(name, move |a, b, cells| {
+) -> NamedMethod {
+    named(name, move |a, b, cells| {
         trace_with((a, b), &view, cells, |torus, [rays]: &[Rays; 1]| {
             [std::array::from_fn(|i| first_hit(torus, rays.d0[i], rays.f0[i], rays.fu[i]))]
         });
     })
 }
 
-fn closed_form(name: &str, view: View, first_root: impl Fn([f64; 3]) -> f64 + 'static) -> Way {
+fn closed_form(
+    name: &str,
+    view: View,
+    first_root: impl Fn([f64; 3]) -> f64 + 'static,
+) -> NamedMethod {
     ray_by_ray(name, view, move |torus, d0, f0, fu| first_root(torus.quartic(d0, f0, fu)))
 }
 
-/// The program's own.
-fn own_ways(times: usize) -> Vec<Way> {
+/// The program's own two methods, in donut.c's view enlarged this many times.
+fn own_methods(times: usize) -> Vec<NamedMethod> {
     [("classic x1", Method::Classic), ("exact", Method::Exact)]
         .map(|(name, method)| program(name, renderer(enlarged(times), method)))
         .into()
 }
 
-/// What to compare them with.
-fn other_ways(times: usize) -> Vec<Way> {
+/// The methods to compare them with, in the same view.
+fn methods_to_compare(times: usize) -> Vec<NamedMethod> {
     let view = enlarged(times);
     let steps =
         |name: &str, factor: f64| program(name, with_steps(view, 0.07 * factor, 0.02 * factor));
     let own = 1.0 / times as f64;
-    let mut ways = vec![
+    let mut methods = vec![
         steps("classic x4", 4.0 * own),
         steps("classic x2", 2.0 * own),
         steps("classic x1/2", 0.5 * own),
@@ -122,17 +131,22 @@ fn other_ways(times: usize) -> Vec<Way> {
         closed_form("closed form f32", view, |g| first_root_f32(g, 1)),
         closed_form("closed form f64", view, |g| first_root_f64(g, 0)),
     ];
-    ways.extend([8, 16, 32, 64, 256].map(|most_steps| sphere_tracing(view, most_steps)));
+    methods.extend([8, 16, 32, 64, 256].map(|most_steps| sphere_tracing(view, most_steps)));
     let mut zbuffer = vec![0.0; view.width * view.height];
-    ways.push(way("donut.c as written", move |a, b, cells| {
+    methods.push(named("donut.c as written", move |a, b, cells| {
         donut_c(a as f32, b as f32, &view, &mut zbuffer, cells);
     }));
-    ways
+    methods
 }
 
-/// The wrong cells of each way, and the cells of the donut, over these poses.
-fn wrong_cells(ways: &mut [Way], view: &View, poses: &[(f64, f64)]) -> (Vec<Wrong>, usize) {
-    let (mut wrong, mut surface) = (vec![Wrong::default(); ways.len()], 0);
+/// The wrong cells of each method in these poses, and the number of cells in which the oracle sees
+/// the donut.
+fn wrong_cells(
+    methods: &mut [NamedMethod],
+    view: &View,
+    poses: &[(f64, f64)],
+) -> (Vec<Wrong>, usize) {
+    let (mut wrong, mut surface) = (vec![Wrong::default(); methods.len()], 0);
     for &(a, b) in poses {
         let oracle = oracle_of(view, a, b);
         let rays = (1..view.height).flat_map(|row| (1..view.width).map(move |x| (row, x)));
@@ -143,9 +157,9 @@ fn wrong_cells(ways: &mut [Way], view: &View, poses: &[(f64, f64)]) -> (Vec<Wron
         });
         let truth: Vec<_> = truth.collect();
         surface += truth.iter().filter(|(.., seen)| seen.is_some()).count();
-        for (way, wrong) in ways.iter_mut().zip(&mut wrong) {
+        for (method, wrong) in methods.iter_mut().zip(&mut wrong) {
             let mut cells = vec![b' '; view.width * view.height];
-            (way.draw)(a, b, &mut cells);
+            (method.draw)(a, b, &mut cells);
             for &(cell, (dx, dy), seen) in &truth {
                 let drawn = level(cells[cell]);
                 if drawn != seen {
@@ -157,23 +171,24 @@ fn wrong_cells(ways: &mut [Way], view: &View, poses: &[(f64, f64)]) -> (Vec<Wron
     (wrong, surface)
 }
 
-/// Microseconds a frame of each way, in the order of the table's columns. All ways are timed in turn, round
-/// after round, until the time is up.
+/// The microseconds that each method takes for a frame: the median and two percentiles, in the
+/// order of the table's columns.
 ///
-/// Each round has five runs of 40 frames that follow one another, as in the program. Unrelated frames
-/// take a few per cent longer.
-fn micros(ways: &mut [Way], view: &View, seconds: u64) -> Vec<[f64; 3]> {
+/// All methods are timed in turn, round after round, until the time is up. So whatever else the computer
+/// does slows all of them down, and not just one. In each round, each method draws five runs of 40
+/// consecutive frames, as it would in the program.
+fn micros(methods: &mut [NamedMethod], view: &View, seconds: u64) -> Vec<[f64; 3]> {
     let mut cells = vec![b' '; view.width * view.height];
-    let mut samples = vec![Vec::new(); ways.len()];
+    let mut samples = vec![Vec::new(); methods.len()];
     let start = Instant::now();
     loop {
-        for (way, samples) in ways.iter_mut().zip(&mut samples) {
+        for (method, samples) in methods.iter_mut().zip(&mut samples) {
             for (a, b) in own_poses(5) {
                 for frame in 0..40 {
                     let frame = f64::from(frame);
                     let start = Instant::now();
                     cells.fill(b' ');
-                    (way.draw)(a + 0.04 * frame, b + 0.02 * frame, &mut cells);
+                    (method.draw)(a + 0.04 * frame, b + 0.02 * frame, &mut cells);
                     samples.push(start.elapsed().as_secs_f64() * 1e6);
                 }
             }
@@ -193,14 +208,15 @@ fn micros(ways: &mut [Way], view: &View, seconds: u64) -> Vec<[f64; 3]> {
     samples.into_iter().map(percentiles).collect()
 }
 
-/// The lines of the table for these ways.
-fn measure(mut ways: Vec<Way>, view: &View, seconds: u64) -> String {
-    let micros = micros(&mut ways, view, seconds);
-    let (wrong, surface) = wrong_cells(&mut ways, view, &own_poses(POSES));
+/// The lines of the table for these methods.
+fn measure(mut methods: Vec<NamedMethod>, view: &View, seconds: u64) -> String {
+    let micros = micros(&mut methods, view, seconds);
+    let (wrong, surface) = wrong_cells(&mut methods, view, &own_poses(POSES));
     let mut lines = String::new();
-    for ((way, [median, low, high]), wrong) in ways.iter().zip(micros).zip(wrong) {
-        let (size, accuracy) = (format!("{}x{}", view.width, view.height), wrong.columns(surface));
-        writeln!(lines, "{},{size},{median:.1},{low:.1},{high:.1},{accuracy}", way.name).unwrap();
+    for ((method, [median, low, high]), wrong) in methods.iter().zip(micros).zip(wrong) {
+        let (name, size) = (&method.name, format!("{}x{}", view.width, view.height));
+        let accuracy = wrong.columns(surface);
+        writeln!(lines, "{name},{size},{median:.1},{low:.1},{high:.1},{accuracy}").unwrap();
     }
     lines
 }
@@ -225,7 +241,7 @@ fn failures() -> String {
     );
     for (name, view, poses) in rows {
         let k2 = view.k2;
-        let mut ways = [
+        let mut methods = [
             program("classic", with_steps(view, 0.07, 0.02)),
             sphere_tracing(view, 64),
             ray_by_ray("Newton", view, newton_once),
@@ -234,7 +250,7 @@ fn failures() -> String {
             closed_form("closed form", view, |g| first_root_f64(g, 0)),
             program("exact", renderer(view, Method::Exact)),
         ];
-        let (wrong, surface) = wrong_cells(&mut ways, &view, poses);
+        let (wrong, surface) = wrong_cells(&mut methods, &view, poses);
         write!(table, "| {name} |").unwrap();
         for wrong in wrong {
             let share = wrong.share(surface);
@@ -250,7 +266,7 @@ fn failures() -> String {
     table
 }
 
-/// The README with that table up to date.
+/// The README with that table made anew.
 fn readme() -> String {
     let readme = read("README.md");
     let section = readme.find("## Where methods fail").unwrap();
@@ -259,8 +275,11 @@ fn readme() -> String {
     [&readme[..start], &failures(), &readme[end..]].concat()
 }
 
-/// donut.c's running angle A against `0.04 n`: the largest error up to frame n, in radians, at frames
-/// a tenth apart from 1,000 to 30 million.
+/// The largest error of donut.c's angle A up to frame n, in radians, for several frames n. The
+/// error is the difference from `0.04 n`: A is a sum, and each addition is rounded.
+///
+/// The frames go from 1,000 to 30 million, each a tenth more than the one before. Two others are
+/// among them: the one from which A turns too fast, and the one at which A stops.
 fn clock_errors() -> Vec<(u32, f64)> {
     const LAST: u32 = 30_000_000;
     let frames = std::iter::successors(Some(1000), |n| Some(n + n / 10));
@@ -280,15 +299,8 @@ fn clock_errors() -> Vec<(u32, f64)> {
 
 const TABLE: &str = "tests/chart/speed-and-accuracy.csv";
 
-fn path(name: &str) -> String {
-    format!("{}/{name}", env!("CARGO_MANIFEST_DIR"))
-}
-
-fn read(name: &str) -> String {
-    fs::read_to_string(path(name)).unwrap()
-}
-
-/// The files that follow from the measured table, or from no measurement of time: names and contents.
+/// The files that are drawn or computed without a measurement of time: their names and contents.
+/// The first is drawn from the measured table, as it is stored.
 fn drawn() -> [(&'static str, String); 4] {
     let table = read(TABLE);
     let column = |line: &str, n| line.split(',').nth(n).unwrap().parse::<f64>().unwrap();
@@ -314,15 +326,15 @@ fn drawn() -> [(&'static str, String); 4] {
 
 #[test]
 #[ignore = "measures for two minutes"]
-fn the_charts_are_measured() {
+fn measure_and_write_the_tables_and_the_charts() {
     let mut table = String::from(TITLES);
-    // How often donut.c's view is enlarged, and for how long its frames are timed.
+    // How many times donut.c's view is enlarged, and for how many seconds its frames are timed.
     for (times, seconds) in [(1, 15), (2, 20), (4, 30), (8, 5), (16, 10)] {
-        let mut ways = own_ways(times);
+        let mut methods = own_methods(times);
         if times <= 4 {
-            ways.extend(other_ways(times));
+            methods.extend(methods_to_compare(times));
         }
-        table.push_str(&measure(ways, &enlarged(times), seconds));
+        table.push_str(&measure(methods, &enlarged(times), seconds));
     }
     println!("{TABLE}\n{table}");
     fs::write(path(TABLE), table).unwrap();
@@ -332,22 +344,18 @@ fn the_charts_are_measured() {
 }
 
 #[test]
-fn the_charts_and_the_readme_show_what_was_measured() {
+fn the_charts_the_clocks_table_and_the_readmes_table_are_up_to_date() {
     for (name, contents) in drawn() {
-        if env::var_os("UPDATE").is_some() {
-            fs::write(path(name), &contents).unwrap();
-        }
-        let stale = read(name) != contents;
-        assert!(!stale, "{name} is stale: run UPDATE=1 cargo test, and commit");
+        assert_current(name, &contents);
     }
 }
 
 #[test]
-fn the_table_counts_the_wrong_cells_of_classic_and_exact() {
-    let (table, mut ways) = (read(TABLE), own_ways(1));
-    let (wrong, surface) = wrong_cells(&mut ways, &View::DONUT_C, &own_poses(POSES));
-    for (way, wrong) in ways.iter().zip(wrong) {
-        let (start, end) = (format!("{},80x22,", way.name), wrong.columns(surface));
+fn the_wrong_cells_of_classic_and_exact_in_the_table_are_those_counted_now() {
+    let (table, mut methods) = (read(TABLE), own_methods(1));
+    let (wrong, surface) = wrong_cells(&mut methods, &View::DONUT_C, &own_poses(POSES));
+    for (method, wrong) in methods.iter().zip(wrong) {
+        let (start, end) = (format!("{},80x22,", method.name), wrong.columns(surface));
         assert!(
             table.lines().any(|line| line.starts_with(&start) && line.ends_with(&end)),
             "no line {start}...,{end} in\n{table}"
@@ -355,13 +363,15 @@ fn the_table_counts_the_wrong_cells_of_classic_and_exact() {
     }
 }
 
-/// A plain loop with donut.c's own tests of each sample draws the same, also where the outline passes the
-/// edges of the picture, and where the back shows through the holes between the samples.
+/// `donut_c` is a literal translation of donut.c's loop, with donut.c's own conditions for each
+/// sample. The program's classic leaves these conditions out, and has to draw the same all the
+/// same: also where the outline passes the edges of the picture, and where the back shows through
+/// gaps between the samples.
 #[test]
-fn donut_c_as_written_draws_what_classic_draws() {
+fn classic_draws_the_same_as_a_literal_translation_of_donut_c() {
     let eighths = (0..64).map(|n| (f64::from(n % 8) * TAU / 8.0, f64::from(n / 8) * TAU / 8.0));
     let poses: Vec<_> = own_poses(12).into_iter().chain(eighths).collect();
-    // At these sizes classic takes donut.c's own steps.
+    // At these sizes classic has donut.c's own steps of theta and phi.
     for (width, height) in [(80, 22), (40, 12), (33, 17), (60, 19), (61, 9), (3, 2)] {
         let view = fitted(width, height);
         let mut renderer = Renderer::new(view, Method::Classic, RAMP);

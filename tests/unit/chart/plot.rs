@@ -1,5 +1,6 @@
-//! The charts of tests/chart: each says what it shows in its title, labels its curves, has the colours of
-//! a light or a dark page, and can be read on a phone, where it is 390 pixels wide.
+//! The drawing of the two charts in tests/chart. The title of a chart says what the chart shows,
+//! and its curves have labels instead of a key. The colours follow the page, which may be light or
+//! dark. A chart can be read even on a phone, where it is 390 pixels wide.
 
 use std::error::Error;
 
@@ -38,7 +39,7 @@ const DARK: [(RGBColor, RGBColor); 9] = [
     (PURPLE, RGBColor(210, 168, 255)),
 ];
 
-/// A chart of this height, as SVG that follows the page's colours.
+/// A chart of this height, as an SVG picture whose colours follow the page's.
 fn chart(height: u32, draw: impl Fn(&Area) -> Result<()>) -> Result<String> {
     let mut svg = String::new();
     let area = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
@@ -61,26 +62,29 @@ fn chart(height: u32, draw: impl Fn(&Area) -> Result<()>) -> Result<String> {
     Ok(svg)
 }
 
-/// Text of this height in pixels; plotters makes it smaller by a factor of 1.24.
+/// The style of text of this height in pixels. plotters divides the height by 1.24, which has to be
+/// undone.
 fn font(size: i32, color: &RGBColor) -> TextStyle<'static> {
     ("sans-serif", 1.24 * f64::from(size)).into_font().color(color)
 }
 
-/// An axis: its scale, from where to where it goes, and its marks.
+/// An axis of a chart: its scale, the values at its two ends, and the values that are marked, with
+/// their names.
 struct Axis {
     scale: fn(f64) -> f64,
     range: [f64; 2],
     marks: Vec<(f64, String)>,
 }
 
-/// Two axes, and what is drawn on them.
+/// The part of a chart that has two axes, and curves on them.
 struct Panel<'a> {
     plane: Plane<'a>,
     scales: [fn(f64) -> f64; 2],
 }
 
 impl<'a> Panel<'a> {
-    /// Axes with their marks, and three lines above them: the finding, and what each axis shows.
+    /// Draws the axes with their marks, and three texts: the title, what the upward axis shows, and
+    /// what the axis to the right shows.
     fn new(
         area: &Area<'a>,
         [title, up, right]: [&str; 3],
@@ -115,12 +119,12 @@ impl<'a> Panel<'a> {
         Ok(panel)
     }
 
-    /// Where a point is on the scaled plane.
+    /// The place of a point on the plane, after both scales.
     fn scaled(&self, (x, y): (f64, f64)) -> (f64, f64) {
         (self.scales[0](x), self.scales[1](y))
     }
 
-    /// Text with this end beside a point, in pixels from it.
+    /// Draws a text whose start, centre or end is beside a point, at this many pixels from it.
     fn label(
         &self,
         at: (f64, f64),
@@ -146,7 +150,8 @@ impl<'a> Panel<'a> {
 
 // ---- Time against wrong cells --------------------------------------------------------------------
 
-/// The time of a frame in microseconds, and the wrong cells in per cent: a dot for each named method.
+/// A chart with a dot for each method: to the right is the time of a frame in microseconds, and
+/// upward the share of wrong cells in per cent.
 pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
     let named = |start: &str| -> Vec<_> {
         dots.iter().filter(|dot| dot.0.starts_with(start)).map(|dot| dot.1).collect()
@@ -163,14 +168,14 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
     };
     let shares = [0.0, 0.1, 1.0, 5.0, 10.0, 20.0, 40.0, 60.0];
     let y = Axis {
-        // On this scale 0 has its place, and small shares are still apart.
+        // A cube root spreads small shares out, as a logarithm does, but it also has a place for 0.
         scale: f64::cbrt,
         range: [-0.06, 95.0],
         marks: shares.map(|share| (share, format!("{share}%"))).into(),
     };
     chart(430, |area| {
         let panel = Panel::new(area, [title, up, right], &x, &y)?;
-        // Coarser and finer steps of classic.
+        // A line through classic with longer and shorter steps.
         let mut steps = named("classic ");
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
         panel.line(&steps, FAINT.stroke_width(2))?;
@@ -214,7 +219,7 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
 
 // ---- donut.c's clock -----------------------------------------------------------------------------
 
-/// The largest error of donut.c's running angle so far, over the number of frames.
+/// A chart of the largest error of donut.c's angle A so far, over the running time.
 pub fn clock(errors: &[(u32, f64)]) -> Result<String> {
     const MINUTE: f64 = 60.0 * 30.0;
     const HOUR: f64 = 60.0 * MINUTE;

@@ -1,12 +1,17 @@
-//! Other ways to draw the donut, to compare with ours. Those that are timed, but for donut.c as written,
-//! are as fast as we can plainly write them.
+//! Other methods of drawing the donut, to compare with the program's own.
 //!
-//! Those that cast rays differ from `exact` in how they find the first hit, and in nothing else: the
-//! rays and the shading are its own, in f64.
+//! The chart compares their times, so the methods in it should not be slow for no reason. Sphere
+//! tracing solves several rays side by side, as exact does; the closed forms take one ray at a
+//! time. Only `donut_c` is deliberately written as donut.c is. `newton_once` and the textbook
+//! formulas are not timed, only judged.
+//!
+//! The methods that follow rays use the program's own rays and shading, in f64. Only the way in
+//! which they find a ray's first hit is another than that of exact.
 
 use crate::tests::*;
 
-/// Draws as `trace` does, with hits that `first_hits` finds for N blocks of rays at once.
+/// Draws as the program's `trace` does, but finds the hits by `first_hits`, which is given N blocks
+/// of rays at a time.
 pub fn trace_with<const N: usize>(
     (a, b): (f64, f64),
     view: &View,
@@ -36,15 +41,18 @@ pub fn trace_with<const N: usize>(
     }
 }
 
-/// How many rays side by side make sphere tracing fastest.
+/// How many rays sphere tracing solves side by side.
 const RAYS: usize = 16;
 const BLOCKS: usize = RAYS / LANES;
 
-/// Sphere tracing in f32: from the bounding sphere on, go as far as the surface is away.
+/// Sphere tracing, in f32. The search starts at the sphere round the donut. Each step along the ray
+/// is as long as the distance to the surface, so it cannot pass the surface.
 ///
-/// Rays that have not arrived after `most_steps` miss. They arrive within `1 / most_steps^2` of the
-/// surface: with less more of them miss, with more they stop at outlines that they should pass, and
-/// either way more cells are wrong.
+/// A ray has hit when the distance is at most a tolerance. It has missed when it leaves the sphere,
+/// or when `most_steps` steps were not enough. Both kinds of error depend on the tolerance: if it
+/// is small, more rays run out of steps before they hit; if it is large, more rays stop beside an
+/// outline that they should pass. The tolerance `1 / most_steps^2` is a compromise that shrinks as
+/// the steps become more.
 pub fn sphere_trace(r2: f64, rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes; BLOCKS] {
     let tolerance = (most_steps as f32).powi(-2);
     let lanes = |quantity: fn(&Rays) -> &Lanes| -> [f32; RAYS] {
@@ -77,13 +85,21 @@ pub fn sphere_trace(r2: f64, rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes
     })
 }
 
-/// Ferrari's closed form for the first root of `G(s) = s^4 + p s^2 + q s + r`, in either precision,
-/// with `newton_steps` of Newton's method after it.
+/// A closed form: Ferrari's solution of G(s) = 0, in f32 or in f64. It gives the first root, and
+/// then takes `newton_steps` steps of Newton's method to make it more accurate.
 ///
-/// G is `(s^2 + alpha s + beta) (s^2 - alpha s + gamma)` if `y = alpha^2` solves the resolvent
-/// `y^3 + 2 p y^2 + (p^2 - 4 r) y - q^2 = 0`. The largest y pairs the two smallest roots, so that
-/// the first factor has the first hit, if it has any. With `y = v - 2/3 p` the resolvent becomes
-/// `v^3 - 3 m v - 2 n = 0`: by cosines if it has three roots, by Cardano's formula if it has one.
+/// Ferrari writes G as a product. That is possible if `y = alpha^2` solves another equation, the
+/// resolvent:
+/// ```text
+/// G(s) = s^4 + p s^2 + q s + r = (s^2 + alpha s + beta) (s^2 - alpha s + gamma)
+/// y^3 + 2 p y^2 + (p^2 - 4 r) y - q^2 = 0
+/// ```
+///
+/// The largest solution y puts the two smaller roots of G into the first factor. So the first hit is the
+/// smaller root of the first factor, or, if that has no roots, the smaller root of the second one.
+///
+/// With `y = v - 2/3 p` the resolvent becomes `v^3 - 3 m v - 2 n = 0`. If this has three roots, the
+/// largest is found by a cosine. If it has one, the root is found by Cardano's formula.
 macro_rules! closed_form {
     ($name:ident, $float:ident) => {
         pub fn $name([p, q, r]: [f64; 3], newton_steps: usize) -> f64 {
@@ -100,7 +116,9 @@ macro_rules! closed_form {
             };
             let y = (v - 2.0 / 3.0 * p).max(0.0);
             let alpha = y.sqrt();
-            // gamma - beta is q / alpha, which is noise where alpha is next to nothing.
+            // This is gamma - beta. It equals q / alpha; but where alpha is almost 0, so is q, and
+            // rounding spoils their quotient. There, the root of (beta + gamma)^2 - 4 beta gamma is
+            // taken.
             let apart = if y < p.abs() / 8.0 {
                 ((p + y) * (p + y) - 4.0 * r).max(0.0).sqrt().copysign(q)
             } else {
@@ -125,9 +143,10 @@ macro_rules! closed_form {
 closed_form!(first_root_f32, f32);
 closed_form!(first_root_f64, f64);
 
-/// Newton's method with one start: where the ray enters the sphere of radius R1 + R2.
+/// Newton's method with a single start: the point where the ray enters the sphere round the donut.
 ///
-/// The ray hits where the steps end. It misses if that is outside the sphere, or if 64 are not enough.
+/// The ray hits where the search ends. It misses if that is outside the sphere, or if 64 steps are
+/// not enough.
 pub fn newton_once(torus: &Torus, d0: f64, f0: f64, fu: f64) -> f64 {
     let radius = 1.0 + torus.r2;
     let half = (radius * radius - d0).max(0.0).sqrt();
@@ -143,11 +162,16 @@ pub fn newton_once(torus: &Torus, d0: f64, f0: f64, fu: f64) -> f64 {
     MISS
 }
 
-/// The textbook's way, in either precision: the quartic of the distance t from the viewer, solved by
-/// Ferrari's method. It has the formulas of `closed_form`, but not its care.
+/// The textbook's solution, in f32 or in f64: Ferrari's formulas for the distance t from the
+/// viewer. They are the formulas of `closed_form`, without its precautions against rounding.
 ///
-/// With the viewer's height f, the distance t0 of P0, and `k = K2^2 + R2^2 - 1`, the surface is where
-/// `(t^2 - 2 t0 t + k)^2 = 4 R2^2 (t^2 - 2 t0 t + K2^2 - (f + fu t)^2)`.
+/// In t, the surface is where
+/// ```text
+/// (t^2 - 2 t0 t + k)^2 = 4 R2^2 (t^2 - 2 t0 t + K2^2 - (f + fu t)^2)
+/// ```
+///
+/// Here f is the viewer's height above the plane of the ring, t0 is the distance from the viewer to
+/// P0, the point of the ray nearest to the donut's centre, and k is `K2^2 + R2^2 - 1`.
 macro_rules! textbook {
     ($name:ident, $float:ident) => {
         pub fn $name(torus: &Torus, k2: f64, d0: f64, fu: f64) -> f64 {
@@ -175,7 +199,8 @@ macro_rules! textbook {
             };
             let y = v - 2.0 / 3.0 * p;
             let alpha = y.sqrt();
-            // A root that is not real is NaN, which is not above 0.
+            // Where a root is not real, this is NaN. The filter below drops it, because NaN is not
+            // above 0.
             let [near, far] = [q / alpha, -q / alpha].map(|apart| (2.0 * (apart - p) - y).sqrt());
             let roots = [-alpha - near, near - alpha, alpha - far, far + alpha];
             let ts = roots.into_iter().map(|root| root / 2.0 - a / 4.0).filter(|&t| t > 0.0);
@@ -187,9 +212,9 @@ macro_rules! textbook {
 textbook!(textbook_f32, f32);
 textbook!(textbook_f64, f64);
 
-/// donut.c's frame expression by expression, with sines and cosines taken for each sample.
-///
-/// Those that do not change within a loop the compiler may take out of it, as C's may.
+/// A frame of donut.c, translated expression by expression, with donut.c's names. As there, the
+/// sines and cosines are inside the loops. The compiler may take those out that do not change in a
+/// loop, as a compiler of C may.
 pub fn donut_c(a: f32, b: f32, view: &View, zbuffer: &mut [f32], framebuffer: &mut [u8]) {
     let sin = |angle: f32| f64::from(angle).sin() as f32;
     let cos = |angle: f32| f64::from(angle).cos() as f32;

@@ -1,3 +1,5 @@
+//! What a panic leaves on the terminal.
+
 use super::*;
 
 #[path = "../pty/mod.rs"]
@@ -7,17 +9,17 @@ mod pty;
 use pty::Pty;
 
 #[test]
-#[ignore = "panics on purpose, on the terminal of the test below"]
+#[ignore = "panics on purpose; the next test runs it on a terminal of its own"]
 fn a_donut_that_panics() {
-    // No command line asks for rows of no cells. They make it panic in its first frame, just after it
-    // took the terminal.
+    // No command line can ask for rows without cells. They make the program panic in its first
+    // frame, just after it has changed the terminal's settings.
     run(&Options { width: Some(0), ..Options::parse_from(["donut"]) }).unwrap();
 }
 
 #[test]
-fn a_panic_restores_the_terminal_and_can_be_read() {
+fn after_a_panic_the_terminal_is_restored_and_shows_the_message() {
     let program = env::current_exe().unwrap();
-    let panics = ["--ignored", "--nocapture", "--exact", "tests::terminal::a_donut_that_panics"];
+    let panics = ["--ignored", "--nocapture", "--exact", "tests::panic::a_donut_that_panics"];
     let mut pty = Pty::run(program.to_str().unwrap(), &panics, (80, 100), "xterm");
     assert_eq!(pty.exit(), 101);
     pty.assert_restored();

@@ -1,0 +1,23 @@
+//! Files of the source tree that are made by the program or from its options, such as pictures,
+//! tables and completions. These files are stored so that nobody has to make them before reading or
+//! packing them. The tests make each of them again, and fail where the stored one is out of date.
+
+use std::{env, fs};
+
+/// The full path of a file of the source tree.
+pub fn path(name: &str) -> String {
+    format!("{}/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+pub fn read(name: &str) -> String {
+    fs::read_to_string(path(name)).unwrap()
+}
+
+/// Checks that a file has these contents. With `UPDATE=1` in the environment, writes them first.
+#[track_caller]
+pub fn assert_current(name: &str, contents: &str) {
+    if env::var_os("UPDATE").is_some() {
+        fs::write(path(name), contents).unwrap();
+    }
+    assert!(read(name) == contents, "{name} is stale: run UPDATE=1 cargo test, and commit it");
+}
