@@ -1,15 +1,17 @@
-//! The angles, frame after frame, and the method that `auto` chooses by them.
+//! The angles A and B of frame after frame, and the method that `auto` chooses by them.
 
 use super::*;
 
+/// The first frame of donut.c whose angles are also those of every frame after it.
 const FROZEN: u64 = 22_918_663;
 
+/// donut.c's spin, from these angles on.
 fn clock(a: f64, b: f64) -> Clock {
     Clock { start: [a, b], ticks: 0, spin: [0.04, 0.02] }
 }
 
 #[test]
-fn the_exact_clock_still_turns_right_after_2_to_the_40_frames() {
+fn with_exact_the_donut_still_turns_as_it_should_after_2_to_the_40_frames() {
     for (frames, error) in [(0, 1e-9), (1_000_000, 1e-9), (FROZEN, 1e-9), (1 << 40, 1e-5)] {
         let mut clock = Clock { ticks: frames, ..clock(0.0, 0.0) };
         let [a, b] = clock.angles();
@@ -27,18 +29,19 @@ fn the_exact_clock_still_turns_right_after_2_to_the_40_frames() {
 }
 
 #[test]
-fn donut_cs_clock_stands_still_from_frame_22_918_663() {
+fn with_classic_the_donut_stands_still_from_frame_22_918_663_on() {
     let mut clock = clock(0.0, 0.0);
-    let first_standstill = (1..).find(|_| {
+    let first_still_frame = (0..=FROZEN).find(|_| {
         let before = clock.angles();
         clock.tick(Method::Classic);
         clock.angles() == before
     });
-    assert_eq!((first_standstill, clock.angles()), (Some(FROZEN + 1), [1_048_576.0, 524_288.0]));
+    assert_eq!(first_still_frame, Some(FROZEN));
+    assert_eq!(clock.angles(), [1_048_576.0, 524_288.0]);
 }
 
 #[test]
-fn auto_goes_on_with_exact_from_frame_3_345_245_where_the_outline_changes_but_not_the_angles() {
+fn auto_goes_on_with_exact_from_frame_3_345_245_and_the_donut_does_not_jump() {
     let mut clock = clock(0.0, 0.0);
     for _ in 0..3_345_245 {
         assert!(choose_method(MethodOption::Auto, &View::DONUT_C, &clock) == Method::Classic);
@@ -48,6 +51,7 @@ fn auto_goes_on_with_exact_from_frame_3_345_245_where_the_outline_changes_but_no
     let [classic, exact] =
         [Method::Classic, Method::Exact].map(|method| draw(method, View::DONUT_C, a, b));
     let changed = classic.iter().zip(&exact).filter(|(classic, exact)| classic != exact).count();
+    // The outline and the shades change, but the donut keeps its place.
     let share = changed as f64 / classic.len() as f64;
     assert!((0.05..0.2).contains(&share), "{share}");
     for _ in 0..1000 {
@@ -60,7 +64,7 @@ fn auto_goes_on_with_exact_from_frame_3_345_245_where_the_outline_changes_but_no
 }
 
 #[test]
-fn a_donut_that_stands_still_is_classic_wherever_it_stands() {
+fn auto_is_classic_for_a_donut_that_does_not_spin() {
     let clock = Clock { spin: [0.0, 0.0], ..clock(1.1, 0.3) };
     assert!(choose_method(MethodOption::Auto, &View::DONUT_C, &clock) == Method::Classic);
 }
@@ -79,8 +83,8 @@ fn auto_is_exact_where_floats_cannot_follow_the_spin() {
 
 #[test]
 fn auto_is_exact_where_a_float_cannot_hold_the_angle() {
-    // Floats are 0.00195 apart from 2^14 on, and 0.0039 from 2^15 on. The second angle is 0.0009 from the
-    // nearest of them, and the third is 0.0019.
+    // From 2^14 on, floats are 0.00195 apart, and from 2^15 on 0.0039. The second of these angles
+    // is 0.0009 from the nearest float, and the third is 0.0019 from it.
     for (angle, method) in [
         (123_456_789.123, Method::Exact),
         (16_384.000_9, Method::Classic),
@@ -94,8 +98,9 @@ fn auto_is_exact_where_a_float_cannot_hold_the_angle() {
 }
 
 #[test]
-fn auto_is_classic_as_long_as_floats_follow_the_spin_to_a_tenth() {
-    // From 2^17 on floats are this far apart, and each of these spins is rounded to one such step.
+fn auto_is_classic_if_floats_follow_the_spin_to_within_a_tenth_of_it() {
+    // From 2^17 on, floats are this far apart. Adding one of these spins, which are near that
+    // distance, adds the distance itself.
     let apart = 0.015_625;
     for (spin, method) in [
         (0.92, Method::Classic),
