@@ -229,7 +229,7 @@ fn failures() -> String {
     let rows = [
         ("donut.c's donut, at 160x44", scene(2.0, 5.0), &poses),
         ("larger: 320x88", fitted(320, 88), &poses),
-        ("edge-on, within 0.0001 rad", scene(2.0, 5.0), &edge_on),
+        ("0.0001 rad from edge-on", scene(2.0, 5.0), &edge_on),
         ("a thin ring: `--r2 9 --k2 25`", scene(9.0, 25.0), &poses),
         ("close up: `--k2 3.003`", scene(2.0, 3.003), &poses),
         ("far away: `--k2 50`", scene(2.0, 50.0), &poses),
