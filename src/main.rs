@@ -134,10 +134,12 @@ struct Options {
     /// top, and the prompt comes below the last one.
     #[arg(long, value_name = "N", value_parser = within(COUNTS), verbatim_doc_comment)]
     frames: Option<u64>,
-    /// Rotation per frame about the x and the z axis, in radians
+    /// Rotation per frame, in radians
     ///
-    /// Angles are from -1e9 to 1e9. x points right, and z away from you.
+    /// DA is about the x axis, which points right. DB is about the z axis,
+    /// which points away from you. Both are from -1e9 to 1e9.
     #[arg(long, value_name = "DA,DB", default_value = "0.04,0.02", value_parser = parse_angles)]
+    #[arg(verbatim_doc_comment)]
     spin: [f64; 2],
     /// Starting angle about the x axis, in radians
     #[arg(short = 'A', value_name = "RAD", default_value = "0", value_parser = within(ANGLES))]
@@ -171,9 +173,9 @@ struct Options {
     /// From 1 to 4096, and no more than the terminal's rows minus 2.
     #[arg(long, value_name = "ROWS", value_parser = within(SIZES))]
     height: Option<u16>,
-    /// Height of a character cell divided by its width
+    /// Height of a cell divided by its width
     ///
-    /// From 0.1 to 10.
+    /// From 0.1 to 10. A cell is the place of one character.
     #[arg(long, value_name = "RATIO", default_value = "2", value_parser = within(ASPECTS))]
     aspect: f64,
     /// Radius of the tube
@@ -204,7 +206,7 @@ Examples:
 
 #[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
 enum MethodOption {
-    /// Default: classic for donut.c's own picture, exact for any other
+    /// Default: classic for donut.c's own picture, else exact
     #[default]
     Auto,
     /// As donut.c does: plot many points, and let the nearest win

@@ -173,21 +173,41 @@ fn numbers_are_accepted_from_one_end_of_their_range_to_the_other_and_no_further(
 }
 
 #[test]
-fn options_that_do_not_fit_together_are_refused_with_the_rule_they_break() {
-    for (options, expected) in [
-        (&["--r2=10"][..], "--k2 must be at least 1.001 times the sum of --r1 and --r2"),
-        (&["--r2=10", "--k2=11.0109"], "--k2 must be at least 1.001 times"),
-        (&["--r1=.1", "--r2=.7", "--k2=.8"], "--k2 must be at least 1.001 times"),
-        (&["--r2=0.5"], "--r2 must be 1.001 to 30 times --r1"),
-        (&["--r1=2"], "--r2 must be 1.001 to 30 times --r1"),
-        (&["--r2=1.0009"], "--r2 must be 1.001 to 30 times --r1"),
-        (&["--r1=.0666"], "--r2 must be 1.001 to 30 times --r1"),
-        (
-            &["--method=classic", "--r2=3"],
-            "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5",
-        ),
+fn options_that_do_not_fit_together_are_refused_with_the_rule_they_break_and_their_values() {
+    let (ring, viewer) = ("1.001 to 30 times --r1", "1.001 times the sum of --r1 and --r2");
+    let classic = "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5";
+    for (options, values, rule) in [
+        (&["--r2=10"][..], "--k2 is 5, but must be at least 11.011", viewer),
+        (&["--r2=10", "--k2=11.0109"], "--k2 is 11.0109, but must be at least 11.011", viewer),
+        (&["--r1=.1", "--r2=.7", "--k2=.8"], "--k2 is 0.8, but must be at least 0.8008", viewer),
+        (&["--k2=1"], "--k2 is 1, but must be at least 3.003", viewer),
+        (&["--r2=0.5"], "--r2 is 0.5, but must be 1.001 to 30", ring),
+        (&["--r1=2"], "--r2 is 2, but must be 2.002 to 60", ring),
+        (&["--r2=1.0009"], "--r2 is 1.0009, but must be 1.001 to 30", ring),
+        (&["--r1=.06"], "--r2 is 2, but must be 0.06006 to 1.8", ring),
+        (&["--method=classic", "--r2=3"], "but these are 1, 3 and 5", classic),
     ] {
-        assert_refused(options, &[expected]);
+        assert_refused(options, &[values, rule]);
+    }
+}
+
+#[test]
+fn the_least_and_the_most_that_a_message_names_are_accepted() {
+    let message = |options: &[&str]| {
+        let refused = donut(options).output().unwrap();
+        assert_eq!(refused.status.code(), Some(2));
+        String::from_utf8(refused.stderr).unwrap()
+    };
+    let between = |text: &str, start: &str, end: &str| {
+        text.split_once(start).unwrap().1.split_once(end).unwrap().0.to_string()
+    };
+    for r1 in ["1", "0.07", "0.000001", "0.123456789", "3.3333333333333335", "20000"] {
+        let said = message(&["--r1", r1, "--r2=1000000", "--k2=1000000"]);
+        for r2 in [between(&said, "must be ", " to "), between(&said, " to ", ":")] {
+            let said = message(&["--r1", r1, "--r2", &r2, "--k2=0.000001"]);
+            let k2 = between(&said, "at least ", ":");
+            output_of(&["--frames=0", "--r1", r1, "--r2", &r2, "--k2", &k2]);
+        }
     }
 }
 

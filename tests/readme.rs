@@ -177,8 +177,8 @@ fn clock_errors() -> Vec<(f64, f64)> {
 /// What the README has to say: words from it, with `#` in place of a figure, and the value of that
 /// figure.
 ///
-/// For example, the README says "After 31 hours at 30 frames a second". The entry for it is
-/// `("After # hours at 30", hours(faster))`. The words on both sides of the `#` find the figure 31.
+/// For example, the README says "After 31 hours the numbers are so coarse". The entry for it is
+/// `("After # hours the numbers", hours(faster))`. The words on both sides of the `#` find the figure 31.
 /// The value is 30.97, which is compared with the same number of decimals as the figure has, here
 /// none. Line breaks in the README do not matter. Where the words occur more than once, the first
 /// place counts.
@@ -195,18 +195,19 @@ fn figures() -> Vec<(&'static str, f64)> {
     let late = errors.iter().filter(|row| row.0 > 1.2 * faster).take(2).collect::<Vec<_>>();
     let too_fast = 100.0 * (late[1].1 - late[0].1) / (late[1].0 - late[0].0) / 0.04;
     vec![
-        ("at 80x22, #% of the donut's cells are wrong", one_shade + more_shades + holes),
-        ("are wrong: #% by one shade", one_shade),
-        ("one shade, and #% by more", more_shades),
-        ("wrong as well: another #%.", extra),
-        ("and is # times as fast as a literal", times_as_fast("exact", "donut.c as written")),
-        ("picture, is # times as fast", times_as_fast("classic x1", "donut.c as written")),
-        ("closed form, which takes # times as long", times_as_fast("exact", "closed form f64")),
-        ("After # hours at 30", hours(faster)),
-        ("second it turns #% too fast", too_fast),
+        ("at 80x22, #% of the donut's cells", one_shade + more_shades + holes),
+        ("In #%, the character is the next", one_shade),
+        ("brighter; in #% it is further off", more_shades),
+        ("That is another #%.", extra),
+        ("Exact is # times as fast as a literal", times_as_fast("exact", "donut.c as written")),
+        ("and is # times as fast. The points", times_as_fast("classic x1", "donut.c as written")),
+        ("but takes # times as long as exact", times_as_fast("exact", "closed form f64")),
+        ("errors add up to a whole turn in # hours", hours(whole_turn)),
+        ("After # hours the numbers", hours(faster)),
+        ("the donut turns #% too fast", too_fast),
         ("after # days it stands still. Classic", hours(stopped) / 24.0),
         ("after those # hours", hours(faster)),
-        ("a whole turn in # hours", hours(whole_turn)),
+        ("grows to a whole turn in # hours", hours(whole_turn)),
         ("After # hours A turns", hours(faster)),
         ("A turns #% too fast", too_fast),
         ("after # days it stands still.]", hours(stopped) / 24.0),

@@ -4,9 +4,9 @@ complete -c donut -l frames -d 'Stop after N frames; the last one stays on the s
 complete -c donut -l spin -d 'Rotation per frame, in radians' -r -f
 complete -c donut -s A -d 'Starting angle about the x axis, in radians' -r -f
 complete -c donut -s B -d 'Starting angle about the z axis, in radians' -r -f
-complete -c donut -l method -d 'How to draw' -r -f -a "auto\t'Default: classic at donut.c\'s size and shape, else exact'
-classic\t'donut.c\'s way: plots many points, and the nearest wins'
-exact\t'Follows a ray through each cell\'s centre: right at any size'"
+complete -c donut -l method -d 'How to draw' -r -f -a "auto\t'Default: classic for donut.c\'s own picture, else exact'
+classic\t'As donut.c does: plot many points, and let the nearest win'
+exact\t'Follow a ray through each cell\'s centre: right at any size'"
 complete -c donut -l color -d 'Colour: a name, 0 to 255, or \'#rrggbb\'' -r -f -a "black\t''
 dark_grey\t''
 grey\t''
@@ -25,9 +25,9 @@ dark_magenta\t''
 dark_cyan\t''"
 complete -c donut -l width -d 'Columns [default: all, or 80 in a pipe]' -r -f
 complete -c donut -l height -d 'Rows [default: all but 2, or 22 in a pipe]' -r -f
-complete -c donut -l aspect -d 'Height of a character cell over its width' -r -f
+complete -c donut -l aspect -d 'Height of a cell divided by its width' -r -f
 complete -c donut -l r1 -d 'Radius of the tube' -r -f
 complete -c donut -l r2 -d 'Radius of the ring, 1.001 to 30 times --r1' -r -f
-complete -c donut -l k2 -d 'Distance of the viewer' -r -f
+complete -c donut -l k2 -d 'Distance from you to the centre of the donut' -r -f
 complete -c donut -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c donut -s V -l version -d 'Print version'
