@@ -1,15 +1,15 @@
 //! donut.c, Andy Sloane's spinning ASCII torus of 2006, in Rust.
 //!
-//! donut.c fills a terminal of 80 columns and 24 rows with a picture of 80 by 22 characters. At that size
-//! this program draws the same picture, byte for byte. A picture of any other size has no original that
-//! it could match. Unless an option says otherwise, such a picture is ray-traced, and every character in
-//! it is exactly right.
+//! donut.c fills a terminal of 80 columns and 24 rows with a picture of 80 by 22 characters. At that
+//! size this program draws the same picture, byte for byte. A picture of any other size has no original
+//! that it could match. Unless an option says otherwise, such a picture is ray-traced, and every
+//! character in it is exactly right.
 //!
 //! # Notation
 //!
 //! The letters R1, R2, K1, K2, A, B and L come from the [article] in which Andy Sloane explains donut.c.
-//! Here A and B are the angles of donut.c itself. Its A is pi/2 minus the article's A, and its B is minus
-//! the article's B. All angles are in radians.
+//! Here A and B are the angles of donut.c itself. Its A is pi/2 minus the article's A, and its B is
+//! minus the article's B. All angles are in radians.
 //!
 //! The axes are those of donut.c as well: x goes right, y goes *down*, and z goes away from the viewer.
 //!
@@ -36,10 +36,10 @@
 //! distance of the screen, is measured in cells: it is 30 columns or 15 rows, because a cell is twice as
 //! tall as it is wide.
 //!
-//! **Samples.** donut.c knows the surface by its samples. The angle theta goes round the tube in steps of
-//! 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one sample: a
-//! point of the surface, and the normal there, which is the direction that the surface faces. The point
-//! is at the distance h from the axis, and at the distance f from the plane of the ring:
+//! **Samples.** donut.c knows the surface by its samples. The angle theta goes round the tube in steps
+//! of 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one
+//! sample: a point of the surface, and the normal there, which is the direction that the surface faces.
+//! The point is at the distance h from the axis, and at the distance f from the plane of the ring:
 //! ```text
 //! h = R2 + R1 cos theta      point   (h cos phi, h sin phi, f)
 //! f = R1 sin theta           normal  (cos theta cos phi, cos theta sin phi, sin theta)
@@ -53,25 +53,25 @@
 //! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
 //! ```
 //!
-//! **Perspective.** Seen from the viewer, the point is at the depth `z = Z + K2`. Things twice as far away
-//! look half as large, so the point appears `K1 X / z` to the right of the donut's centre, and `K1 Y / z`
-//! below it. donut.c has this centre at column 40 and row 12 of its 80x22 cells. That is below the middle,
-//! and in some poses the lowest part of the donut is cut off.
+//! **Perspective.** Seen from the viewer, the point is at the depth `z = Z + K2`. Things twice as far
+//! away look half as large, so the point appears `K1 X / z` to the right of the donut's centre, and `K1
+//! Y / z` below it. donut.c has this centre at column 40 and row 12 of its 80x22 cells. That is below
+//! the middle, and in some poses the lowest part of the donut is cut off.
 //!
-//! **The z-buffer.** Many samples fall into the same cell, and the cell shows the nearest of them. To find
-//! it, a z-buffer keeps the largest 1/z so far for each cell.
+//! **The z-buffer.** Many samples fall into the same cell, and the cell shows the nearest of them. To
+//! find it, a z-buffer keeps the largest 1/z so far for each cell.
 //!
 //! **Luminance.** The cell shows how bright its sample is. The luminance L is the dot product of the
-//! normal and the vector (0, -1, -1), which points at the light, above and behind the viewer. This vector
-//! is sqrt 2 long, so 8 L is at most 11.3. Its whole part is an index, from 0 to 11, into a ramp of twelve
-//! characters from dark to bright, `.,-~:;=!*#$@`. Where L is negative, the surface faces away from the
-//! light, and the index is 0.
+//! normal and the vector (0, -1, -1), which points at the light, above and behind the viewer. This
+//! vector is sqrt 2 long, so 8 L is at most 11.3. Its whole part is an index, from 0 to 11, into a ramp
+//! of twelve characters from dark to bright, `.,-~:;=!*#$@`. Where L is negative, the surface faces away
+//! from the light, and the index is 0.
 //!
 //! # Two methods
 //!
-//! `classic` is all of the above: for each sample, it asks which cell the sample falls into. `exact` goes
-//! the other way: for each cell, it asks what is there. It follows the ray from the viewer through the
-//! centre of the cell, and the cell shows the first point of the donut that the ray hits.
+//! `classic` is all of the above: for each sample, it asks which cell the sample falls into. `exact`
+//! goes the other way: for each cell, it asks what is there. It follows the ray from the viewer through
+//! the centre of the cell, and the cell shows the first point of the donut that the ray hits.
 //!
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
@@ -149,10 +149,10 @@ struct Options {
     b: f64,
     /// How to draw
     ///
-    /// Classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5. Its angles
-    /// get coarser with time. With the default --spin, they are too coarse
-    /// after 31 hours at 30 frames a second. Then auto goes on with exact,
-    /// and the donut's outline gets thinner.
+    /// Classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5. As in donut.c,
+    /// its angles lose precision with time. With the default --spin, too
+    /// little is left after 31 hours at 30 frames a second. Then auto switches
+    /// to exact, and the donut's outline gets thinner.
     #[arg(long, value_enum, default_value_t, hide_default_value = true, verbatim_doc_comment)]
     method: MethodOption,
     /// Colour: a name, 0 to 255, or '#rrggbb'
@@ -164,13 +164,13 @@ struct Options {
     color: Option<Color>,
     /// Columns [default: all, or 80 in a pipe]
     ///
-    /// From 1 to 4096, and no more than the terminal has. donut.c writes a
+    /// From 1 to 4096. A terminal clips this to its columns. donut.c writes a
     /// newline in place of the first column, so one column stays empty.
     #[arg(long, value_name = "COLS", value_parser = within(SIZES), verbatim_doc_comment)]
     width: Option<u16>,
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
-    /// From 1 to 4096, and no more than the terminal's rows minus 2.
+    /// From 1 to 4096. A terminal clips this to its rows minus 2.
     #[arg(long, value_name = "ROWS", value_parser = within(SIZES))]
     height: Option<u16>,
     /// Height of a cell divided by its width
@@ -211,7 +211,7 @@ enum MethodOption {
     Auto,
     /// As donut.c does: plot many points, and let the nearest win
     Classic,
-    /// Follow a ray through each cell's centre: right at any size
+    /// Follow a ray through each cell's centre: accurate at any size
     Exact,
 }
 
@@ -268,17 +268,19 @@ fn parse_color(text: &str) -> Result<Color, String> {
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
-/// The range of R2 / R1. Below 1.001, the hole is at most two cells across, even in the largest picture.
-/// Above 30, the tube of a donut far away is less than three columns thick in a picture of 80 columns.
+/// The range of R2 / R1, beyond which no picture looks like a donut. Below 1.001, the hole is at most
+/// two cells across, even in the largest picture. Above 30, the tube of a donut far away is less than
+/// three columns thick in a picture of 80 columns.
 const RING_RATIOS: RangeInclusive<f64> = 1.001..=30.0;
-/// The least K2 / (R1 + R2). So near, a donut that is seen edge-on fills 175 degrees of the view.
+/// The least K2 / (R1 + R2). At this distance, a donut that is seen edge-on already fills 175 degrees of
+/// the view.
 const LEAST_DISTANCE: f64 = 1.001;
 
-/// Undoes the rounding of a product or quotient of two lengths, as far as it can be known.
+/// Undoes the rounding of a product or quotient of two lengths, where the exact value is evident.
 ///
 /// Most decimal fractions have no exact binary form, so 0.35 / 0.07 is slightly less than 5 in f64, and
-/// 1.001 * 3 is slightly less than 3.003. If a number with at most six decimals is within a relative 1e-15
-/// of the result, that number was meant.
+/// 1.001 * 3 is slightly less than 3.003. If a number with at most six decimals is within a relative
+/// 1e-15 of the result, that number was meant.
 fn unrounded(result: f64) -> f64 {
     let rounded = (1e6 * result).round() / 1e6;
     if (result - rounded).abs() < 1e-15 * result { rounded } else { result }
@@ -309,8 +311,8 @@ impl Options {
         }
     }
 
-    /// The view for the size that the options ask for. `terminal` is the terminal's columns and rows, which
-    /// limit the size, or `None` where standard output is no terminal.
+    /// The view for the size that the options ask for. `terminal` is the terminal's columns and rows,
+    /// which limit the size, or `None` where standard output is no terminal.
     fn view(&self, terminal: Option<(u16, u16)>) -> View {
         let (width, height) = match terminal {
             None => (self.width.unwrap_or(80), self.height.unwrap_or(22)),
@@ -350,8 +352,9 @@ struct Animation<'a> {
     size: Option<(u16, u16)>,
     clock: Clock,
     renderer: Renderer,
-    /// How many frames were due so far. A frame that is drawn again counts once.
-    drawn: u64,
+    /// How many frames have come due so far. A frame that is drawn again, for example after a new size,
+    /// counts once.
+    frames_due: u64,
     /// When the next frame is due, unless the donut is paused.
     deadline: Instant,
     is_paused: bool,
@@ -370,28 +373,28 @@ fn run(options: &Options) -> io::Result<()> {
         size,
         clock,
         renderer,
-        drawn: 0,
+        frames_due: 0,
         deadline: Instant::now(),
         is_paused: false,
     };
-    let (played, left) = (animation.play(), console.leave());
+    let (played, restored) = (animation.play(), console.leave());
     console.end_by_signal();
-    played.and(left)
+    played.and(restored)
 }
 
 impl Animation<'_> {
-    /// donut.c's `for (;;)`. In a pipe, there is nothing to do but to draw each frame when it is due. On a
-    /// terminal, the loop also looks for signals, keys and a new size, and in most of its rounds nothing is
-    /// due.
+    /// donut.c's `for (;;)`. In a pipe, there is nothing to do but to draw each frame when it is due. On
+    /// a terminal, the loop also looks for signals, keys and a new size, and in most of its rounds no
+    /// frame is due.
     ///
-    /// The donut *enters* a terminal before it draws there, and *leaves* it when it ends or stops. To enter
-    /// is to clear the screen, hide the cursor, and have each key sent at once and not echoed. To leave is
-    /// to undo all this. See `Console`.
+    /// The program *enters* a terminal before it draws there, and *leaves* the terminal when it ends or
+    /// stops. To enter is to clear the screen, to hide the cursor, and to have each key sent at once and
+    /// not echoed. To leave is to undo all this. See `Console`.
     fn play(&mut self) -> io::Result<()> {
         let console = self.console.clone();
         // On a dumb terminal further frames would only scroll by.
         let last = self.options.frames.unwrap_or(if console.is_dumb { 1 } else { u64::MAX });
-        'rounds: while self.drawn < last {
+        'rounds: while self.frames_due < last {
             let until_due = self.deadline.saturating_duration_since(Instant::now());
             let time = if self.is_paused { POLL_INTERVAL } else { until_due.min(POLL_INTERVAL) };
             console.wait(time)?;
@@ -399,12 +402,12 @@ impl Animation<'_> {
                 break;
             }
             #[cfg(unix)] // Windows has no job control.
-            if !console.may_use_terminal()? {
+            if !console.check_foreground()? {
                 thread::sleep(POLL_INTERVAL);
                 continue;
             }
-            let (has_entered, size) = (console.enter()?, console.size()?);
-            let clear = has_entered || size != self.size;
+            let (just_entered, size) = (console.enter()?, console.size()?);
+            let clear = just_entered || size != self.size;
             if clear {
                 let view = self.options.view(size);
                 self.renderer = Renderer::new(view, self.renderer.method, self.renderer.ramp);
@@ -442,15 +445,15 @@ impl Animation<'_> {
     /// Goes on to the next frame, and sets the deadline of the one after it.
     fn advance(&mut self) {
         // The first frame shows the starting angles.
-        if self.drawn > 0 {
+        if self.frames_due > 0 {
             self.clock.tick(self.renderer.method);
         }
-        self.drawn += 1;
+        self.frames_due += 1;
         let fps = self.options.fps;
         // If fps is tiny, a Duration cannot hold 1 / fps seconds. 1e9 seconds, nearly 32 years, will do.
         let seconds = if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 };
-        // The deadlines do not drift, because each one counts from the one before. But after a stall no
-        // frames are made up for: a deadline that has passed becomes now.
+        // Each deadline counts from the one before, so the deadlines do not drift. But after a stall,
+        // missed frames are not made up: a deadline that has already passed becomes now.
         let next = self.deadline + Duration::from_secs_f64(seconds);
         self.deadline = next.max(Instant::now());
     }
@@ -467,8 +470,8 @@ impl Animation<'_> {
 
 /// The method that draws the frame at the clock's angles.
 ///
-/// `auto` draws donut.c's own picture with `classic`, as long as donut.c's own angles are precise, and
-/// everything else with `exact`.
+/// `auto` draws donut.c's own picture with `classic`, as long as donut.c's own angles are precise
+/// enough, and everything else with `exact`.
 fn choose_method(option: MethodOption, view: &View, clock: &Clock) -> Method {
     match option {
         MethodOption::Auto if *view == View::DONUT_C && clock.floats_suffice() => Method::Classic,
@@ -481,8 +484,8 @@ fn choose_method(option: MethodOption, view: &View, clock: &Clock) -> Method {
 ///
 /// Every tick of the clock turns the donut by the spin. donut.c keeps its angles in variables of type
 /// `float`, so each of its additions rounds, and the errors add up. `classic` has to make the very same
-/// errors. So its ticks round as donut.c does, and make the sum the new start. `exact` only counts its
-/// ticks, so its errors do not add up.
+/// errors: a tick of `classic` rounds as donut.c does, and stores the sum as the new start. A tick of
+/// `exact` is only counted, so its errors do not add up.
 struct Clock {
     start: [f64; 2],
     ticks: u64,
@@ -497,7 +500,7 @@ impl Clock {
     /// The angles after donut.c's next addition.
     fn next_floats(&self) -> [f64; 2] {
         let angles = self.angles();
-        [0, 1].map(|i| advance(angles[i] as f32, self.spin[i]).into())
+        [0, 1].map(|i| add_step(angles[i] as f32, self.spin[i]).into())
     }
 
     /// Goes on to the angles of the next frame. `method` is what drew this one.
@@ -512,8 +515,8 @@ impl Clock {
     /// float, and the next addition turns the donut by the spin, give or take a tenth.
     ///
     /// With donut.c's own start and spin, this holds until frame 3,345,245. There A passes 2^17, where
-    /// floats are 1/64 apart, so that adding 0.04 adds 3/64, which is 0.047. At frame 22,918,663, A reaches
-    /// 2^20, where floats are 1/8 apart. From then on, adding 0.04 changes nothing.
+    /// floats are 1/64 apart, so that adding 0.04 adds 3/64, which is 0.047. At frame 22,918,663, A
+    /// reaches 2^20, where floats are 1/8 apart. From then on, adding 0.04 changes nothing.
     fn floats_suffice(&self) -> bool {
         let (angles, next) = (self.angles(), self.next_floats());
         (0..2).all(|i| {
@@ -526,14 +529,14 @@ impl Clock {
 
 // ---- View ----------------------------------------------------------------------------------------
 
-/// The donut's proportions, the size of the picture, and how the one is projected onto the other.
+/// The donut's proportions, the size of the picture, and how the donut is projected onto the picture.
 ///
-/// The proportions are in units of the tube's radius, so that R1 is 1. Places on the screen are counted in
-/// cells: cell (c, r), in column c and row r, reaches from c to c + 1 across and from r to r + 1 down. The
-/// point (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)`, `y = cy + k1y Y / (Z + K2)`.
+/// The proportions are in units of the tube's radius, so that R1 is 1. Places on the screen are counted
+/// in cells: cell (c, r), in column c and row r, reaches from c to c + 1 across and from r to r + 1
+/// down. The point (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)`, `y = cy + k1y Y / (Z + K2)`.
 ///
-/// Nothing is drawn in column 0 or in row 0. In place of column 0, donut.c prints a newline, and its test
-/// `y > 0` leaves out row 0.
+/// Nothing is drawn in column 0 or in row 0. In place of column 0, donut.c prints a newline, and its
+/// test `y > 0` leaves out row 0.
 #[derive(Clone, Copy, PartialEq)]
 struct View {
     r2: f64,
@@ -554,14 +557,15 @@ impl View {
         View { r2: 2.0, k2: 5.0, width: 80, height: 22, cx: 40.0, cy: 12.0, k1x: 30.0, k1y: 15.0 };
 
     /// donut.c's own view if everything is as in donut.c. Otherwise, the donut is in the middle of the
-    /// picture, and as large as it can be without being cut off at any angle. `aspect` is the height of a
-    /// cell divided by its width.
+    /// picture, and as large as it can be without being cut off at any angle. `aspect` is the height of
+    /// a cell divided by its width.
     fn new(width: usize, height: usize, aspect: f64, r2: f64, k2: f64) -> View {
         if (width, height, aspect, r2, k2) == (80, 22, 2.0, 2.0, 5.0) {
             return View::DONUT_C;
         }
         let (w, h) = (width as f64, height as f64);
         let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / apparent_radius(r2, k2);
+        // Column 0 and row 0 stay empty, so the middle is half a cell further.
         let (cx, cy) = ((w + 1.0) / 2.0, (h + 1.0) / 2.0);
         View { r2, k2, width, height, cx, cy, k1x, k1y: k1x / aspect }
     }
@@ -570,12 +574,14 @@ impl View {
 /// How large the donut can look: the apparent radius of a sphere of radius R1 + R2 round its centre. The
 /// donut touches this sphere from inside, however it is turned.
 ///
-/// The rays from the viewer to the centre and to the edge of the sphere are at an angle. The apparent
-/// radius is the tangent of this angle, which is the radius on a screen at the distance 1.
+/// The viewer sees the centre of the sphere in one direction, and its edge in another. The apparent
+/// radius is the tangent of the angle between the two, which is the sphere's radius on a screen at the
+/// distance 1.
 fn apparent_radius(r2: f64, k2: f64) -> f64 {
     let radius = 1.0 + r2;
-    // This is the square root of `k2^2 - radius^2`. Near the sphere, a difference of squares would lose
-    // digits, and so would `k2 - radius`, because `1.0 + r2` is rounded.
+    // The divisor is the square root of `k2^2 - radius^2`, as a product. If k2 is hardly larger than the
+    // radius, the difference of the squares would lose digits. So would `k2 - radius`, because `1.0 +
+    // r2` is rounded.
     radius / ((k2 - r2 - 1.0) * (k2 + radius)).sqrt()
 }
 
@@ -605,10 +611,11 @@ struct Renderer {
     /// The character in each cell: `width * height` bytes, row by row, blank where there is no donut.
     framebuffer: Vec<u8>,
     /// For `classic`: 1/z of the nearest sample so far, in each cell. It has two rows more than the
-    /// framebuffer, because donut.c's own view reaches below the picture.
+    /// framebuffer, because in donut.c's own view some samples fall below the picture, by up to two
+    /// rows.
     zbuffer: Vec<f32>,
-    /// For `classic`: the sines and the cosines of every theta, and those of every phi. These tables can be
-    /// long, so they are made when they are first needed.
+    /// For `classic`: the sines and the cosines of every theta, and those of every phi. These tables can
+    /// be long, so they are made when they are first needed.
     tables: Option<[(Vec<f32>, Vec<f32>); 2]>,
 }
 
@@ -623,26 +630,26 @@ impl Renderer {
     fn render_frame(&mut self, a: f64, b: f64) {
         self.framebuffer.fill(b' ');
         match self.method {
-            Method::Classic => self.splat(a as f32, b as f32),
+            Method::Classic => self.plot_samples(a as f32, b as f32),
             Method::Exact => self.trace(a, b),
         }
     }
 
     /// `classic`: donut.c's double loop over theta and phi.
     ///
-    /// All arithmetic is in f32 and in donut.c's order of operations, because another order would round to
-    /// other characters. donut.c has names of one letter: `sin_phi` is its c, `cos_theta` d, `sin_a` e,
-    /// `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `cell` o.
-    fn splat(&mut self, a: f32, b: f32) {
+    /// All arithmetic is in f32 and in donut.c's order of operations, because another order would round
+    /// to other characters. donut.c has names of one letter: `sin_phi` is its c, `cos_theta` d, `sin_a`
+    /// e, `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `cell` o.
+    fn plot_samples(&mut self, a: f32, b: f32) {
         self.reset_zbuffer();
         let View { width, r2, k2, cx, cy, k1x, k1y, .. } = self.view;
         let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
         let ((sin_a, cos_a), (sin_b, cos_b)) = (sin_cos(a), sin_cos(b));
         let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] =
             self.tables.get_or_insert_with(|| angle_steps(&self.view).map(trig_table));
-        // donut.c's loop over phi is three loops here. The compiler vectorises the first two, which it would
-        // not do with a single one. The slices tell it that the tables have one length, so that these loops
-        // need no bounds checks.
+        // donut.c's loop over phi is three loops here. The compiler vectorises the first two, which it
+        // would not do with a single one. The slices tell it that the tables have one length, so that
+        // these loops need no bounds checks.
         let count = sin_phis.len();
         let (sin_phis, cos_phis) = (&sin_phis[..count], &cos_phis[..count]);
         let (mut ooz, mut x, mut y) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
@@ -673,8 +680,11 @@ impl Renderer {
         }
     }
 
-    /// Prepares the z-buffer for a frame. Every sample is nearer than 0, so it shows in an empty cell. No
-    /// sample is nearer than infinity, so none shows in row 0, in column 0, or below the picture.
+    /// Prepares the z-buffer for a frame.
+    ///
+    /// The z-buffer holds 1/z, so 0 means infinitely far: any sample is nearer, and shows. Infinity
+    /// means that something is right before the viewer's eye: no sample is nearer, so row 0, column 0
+    /// and the rows below the picture stay blank.
     fn reset_zbuffer(&mut self) {
         let View { width, height, .. } = self.view;
         self.zbuffer.fill(f32::INFINITY);
@@ -710,22 +720,25 @@ impl Renderer {
 
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
-/// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart. In a larger picture
-/// the same steps would leave gaps. So both steps shrink by as much as the scale K1 grows.
+/// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart. In a larger
+/// picture the same steps would leave gaps. So both steps shrink by as much as the scale K1 grows,
+/// across or, where cells are wider than tall, down.
 fn angle_steps(view: &View) -> [f64; 2] {
     let shrink = f64::min(1.0, View::DONUT_C.k1x / view.k1x.max(view.k1y));
     [0.07 * shrink, 0.02 * shrink]
 }
 
-/// The sines and the cosines of the angles that donut.c's loop counts: 0, `step`, and so on, once round.
+/// The sines and the cosines of the angles that donut.c's loop runs through: 0, `step`, and so on, once
+/// round.
 fn trig_table(step: f64) -> (Vec<f32>, Vec<f32>) {
-    let angles = std::iter::successors(Some(0.0), |&angle| Some(advance(angle, step)));
-    // donut.c stops at 6.28. At its own steps that is the same, but shorter ones would leave a gap there.
+    let angles = std::iter::successors(Some(0.0), |&angle| Some(add_step(angle, step)));
+    // donut.c stops at 6.28. With its own steps, TAU gives the same angles. Shorter steps would leave a
+    // gap between 6.28 and TAU.
     angles.take_while(|&angle| f64::from(angle) < TAU).map(sin_cos).unzip()
 }
 
 /// donut.c's `angle += step`: C adds in `double` and rounds the sum to `float`.
-fn advance(angle: f32, step: f64) -> f32 {
+fn add_step(angle: f32, step: f64) -> f32 {
     (f64::from(angle) + step) as f32
 }
 
@@ -738,8 +751,8 @@ fn sin_cos(angle: f32) -> (f32, f32) {
 /// The whole part of a value from 0 to 2^23.
 ///
 /// This is `value as u32`, but in plain arithmetic, which every compiler target vectorises. From 2^23 to
-/// 2^24 floats are 1 apart. So adding 2^23 rounds the value to a whole number, and leaves this number in the
-/// low bits of the sum. If it was rounded up, it is one too large.
+/// 2^24 floats are 1 apart. So adding 2^23 rounds the value to a whole number, and leaves this number in
+/// the low bits of the sum. If it was rounded up, it is one too large.
 fn floor(value: f32) -> u32 {
     const WHOLE: f32 = 8_388_608.0;
     let rounded = value + WHOLE;
@@ -761,14 +774,14 @@ const LAST_STEP: f64 = 1e-8;
 /// Most rays take about 5 steps. One that grazes the tube twice, at the distance delta, takes about
 /// `2 log2((1 + R2) / sqrt(2 delta))`; 67 is the most found. Only a search for a triple root takes more.
 const MOST_STEPS: usize = 100;
-/// Added to each luminance, too little to be seen. Where 8 L is a whole number, as it may be in symmetric
-/// poses, all machines then choose the brighter of two glyphs, however they round.
+/// Added to each luminance, too little to be seen. Where 8 L is a whole number, as it may be in
+/// symmetric poses, all machines then choose the brighter of two glyphs, however they round.
 const TIE_BIAS: f64 = 1e-12;
 
 /// The donut of one frame, as a ray meets it.
 ///
-/// A ray is P = P0 + s U. U is its direction, of length 1. P0 is its point nearest to the donut's centre,
-/// which is the origin, so P0 and U are at right angles. Three numbers matter about a point P:
+/// A ray is P = P0 + s U. U is its direction, of length 1. P0 is its point nearest to the donut's
+/// centre, which is the origin, so P0 and U are at right angles. Three numbers matter about a point P:
 /// ```text
 /// |P|^2 = d0 + s^2      the square of its distance from the centre
 /// f     = f0 + fu s     its height above the plane of the ring
@@ -849,17 +862,17 @@ impl Torus {
     ///
     /// The ray enters the donut where G falls to 0: at a or at c, or nowhere.
     ///
-    /// 1. Left of -w, the steps lead to a from the left and never pass it. If there is no a, they lead to
-    ///    where G rises, or to -w or past it. Then the search starts again, at w.
-    /// 2. If G is positive at w, the steps lead to c from the left. If there is no c, they lead to where G
-    ///    rises, and the ray misses.
+    /// 1. Left of -w, the steps lead to a from the left and never pass it. If there is no a, they
+    ///    lead to where G rises, or to -w or past it. Then the search starts again, at w.
+    /// 2. If G is positive at w, the steps lead to c from the left. If there is no c, they lead to
+    ///    where G rises, and the ray misses.
     /// 3. If G is negative at w, c is between -w and w, and the steps lead to it from the right.
     ///
     /// All rays step until the last has arrived. This changes the others' last bits at most, if their
     /// roots are simple. A ray that misses stays at infinity, where the slope is infinite.
     ///
-    /// Where the outline of the donut ends in a cusp, a ray has a triple root at -w. Rounding may send its
-    /// search from one side to the other without end. Such a ray hits at -w.
+    /// Where the outline of the donut ends in a cusp, a ray has a triple root at -w. Rounding may send
+    /// its search from one side to the other without end. Such a ray hits at -w.
     fn first_hits(&self, rays: &Rays) -> Lanes {
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; LANES]; 5];
         for i in 0..LANES {
@@ -895,8 +908,8 @@ impl Torus {
         s
     }
 
-    /// The s where the ray enters the space that the donut stays in: a sphere of radius R1 + R2, between two
-    /// planes, f = -1 and f = 1. No hit comes before it.
+    /// The s where the ray enters the space that the donut stays in: a sphere of radius R1 + R2, between
+    /// two planes, f = -1 and f = 1. No hit comes before it.
     fn entry(&self, d0: f64, f0: f64, fu: f64) -> f64 {
         let radius = 1.0 + self.r2;
         let sphere = -(radius * radius - d0).max(0.0).sqrt();
@@ -919,8 +932,8 @@ impl Torus {
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-// Up to here the program would work in a pipe. The rest makes it a good guest on a terminal: whatever ends
-// or stops the donut, the shell finds its terminal as it was.
+// A program that only writes to a pipe would need little of what follows. The rest makes this one a good
+// guest on a terminal: whatever ends or stops the program, the shell finds its terminal as it was.
 
 /// The longest wait in the loop, so that a new size or a lost terminal is noticed in time.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
@@ -933,10 +946,14 @@ const CTRL_Z: u8 = 0x1a;
 
 /// The bytes that are written besides the picture: the escape codes, and what separates the rows.
 ///
-/// On a terminal, these codes come up: `?1049h` switches to the alternate screen, a second screen that full
-/// screen programs use, and `?1049l` switches back. `?25l` hides the cursor and `?25h` shows it. `2J` clears
-/// the screen. `H` moves the cursor to the top left. Between `?2026h` and `?2026l`, the terminal holds the
-/// output back, so that no half-drawn frame is seen. `0m` ends a colour.
+/// These codes come up, each after `ESC [`:
+/// - `?1049h` switches to the alternate screen, a second screen for programs that fill it, and
+///   `?1049l` switches back.
+/// - `?25l` hides the cursor, and `?25h` shows it.
+/// - `2J` clears the screen, and `H` moves the cursor to its top left.
+/// - `?2026h` makes the terminal hold the output back until `?2026l`, so that no half-drawn frame is
+///   seen.
+/// - `0m` ends a colour.
 struct Escapes {
     enter: &'static str,
     /// Comes before the first frame after `enter` or after a new size.
@@ -970,7 +987,8 @@ impl Escapes {
         // A signal may have cut a frame short: this ends the frame and its colour, too.
         leave: "\x1b[?2026l\x1b[0m\x1b[?25h\r\n",
     };
-    /// The newline before `?1049l` is for terminals without an alternate screen, where the picture stays.
+    /// The newline before `?1049l` is for terminals without an alternate screen, where the picture
+    /// stays.
     const FULL_SCREEN: Escapes = Escapes {
         enter: "\x1b[?1049h\x1b[?25l",
         leave: "\x1b[?2026l\x1b[0m\x1b[?25h\r\n\x1b[?1049l",
@@ -978,22 +996,25 @@ impl Escapes {
     };
 }
 
-/// Standard output and, if that is a terminal, everything that belongs to being there.
+/// Standard output and, if that is a terminal, the state that a guest on a terminal needs.
 ///
-/// The picture is on the terminal of standard output. The keys come from the terminal that the program was
-/// started from, whatever standard input is. This is the same terminal, except in cases such as
+/// The picture is on the terminal of standard output. The keys come from the terminal that the program
+/// was started from, whatever standard input is. The two terminals are the same, except in cases such as
 /// `donut > /dev/tty2`.
 ///
-/// The donut enters the terminal before it draws, and leaves it in all these cases:
-/// - it ends, after the last frame or on q or Esc;
-/// - a signal ends it;
-/// - Ctrl-Z stops it;
-/// - it finds itself in the background;
-/// - it panics.
+/// The program enters the terminal before it draws. In all these cases, the program leaves the terminal:
+/// - The last frame is drawn, or somebody presses q or Esc.
+/// - A signal is to end the program.
+/// - Ctrl-Z is to stop the program.
+/// - The program was stopped and goes on. It leaves the terminal only to enter it anew, because
+///   another program may have changed the screen or the settings.
+/// - The program finds itself in the background.
+/// - The program panics.
 ///
-/// A shell lends the terminal to one of its jobs at a time. This job is in the *foreground*. A job that was
-/// started with `&`, or continued with `bg`, is in the *background*. If such a job reads keys or changes the
-/// terminal's settings, the system stops it. So in the background the donut does nothing but wait.
+/// A shell lends the terminal to one of its jobs at a time. This job is in the *foreground*. A job that
+/// was started with `&`, or continued with `bg`, is in the *background*. If such a job reads keys or
+/// changes the terminal's settings, the system stops it. So in the background the program does nothing
+/// but wait.
 struct Console {
     /// Standard output, without a buffer. If it is a terminal, writing does not block.
     stdout: File,
@@ -1004,14 +1025,15 @@ struct Console {
     color: Option<Color>,
     /// The terminal of the keys, if there is one.
     tty: Option<File>,
-    /// Whether the donut has entered the terminal and not left it since.
+    /// Whether the program has entered the terminal and not left it since.
     is_entered: AtomicBool,
-    /// The number of the signal that ends the donut, or 0. Set by the handlers of these signals.
+    /// The number of the signal that is to end the program, or 0. The handlers of these signals set it.
     end_signal: Arc<AtomicUsize>,
-    /// Whether the donut was stopped and continued since the loop last looked. Set by SIGCONT's handler.
+    /// Whether the program was stopped and continued since the loop last looked. SIGCONT's handler sets
+    /// it.
     #[cfg(unix)]
     was_continued: Arc<AtomicBool>,
-    /// The settings that `tty` had before the donut entered, until the donut gives them back.
+    /// The settings that `tty` had before the program entered, until the program gives them back.
     #[cfg(unix)]
     settings: Mutex<Option<Termios>>,
 }
@@ -1052,22 +1074,25 @@ impl Console {
         Ok(console)
     }
 
-    /// Sees to it that the donut leaves the terminal before a panic or a signal ends the program.
+    /// Makes the program leave the terminal before a panic or a signal ends it.
     ///
-    /// A signal's handler only stores its number. Then the loop ends, and `run` does what has to be done.
+    /// A signal's handler only stores its number. Then the loop ends, and `run` does what has to be
+    /// done.
     fn guard(self: &Arc<Console>) -> io::Result<()> {
         let (console, previous_hook) = (self.clone(), panic::take_hook());
         panic::set_hook(Box::new(move |info| {
             let _ = console.leave();
             previous_hook(info);
         }));
-        // ctrlc's handler cannot tell which signal came. On Unix, the handlers below come before it, and
-        // can. Only a signal that comes earlier than they do is taken for a Ctrl-C here.
+        // ctrlc works on every system, but its handler cannot tell which signal has come. So on Unix,
+        // more handlers are registered below. They run before ctrlc's and store the number of the
+        // signal. ctrlc's handler only adds a number if there is none: on Windows, and for a signal that
+        // comes before the handlers below are registered.
         let end_signal = self.end_signal.clone();
-        let take_for_ctrl_c = move || {
+        let take_for_sigint = move || {
             let _ = end_signal.compare_exchange(0, 2, SeqCst, SeqCst); // 2 is SIGINT.
         };
-        ctrlc::set_handler(take_for_ctrl_c).map_err(io::Error::other)?;
+        ctrlc::set_handler(take_for_sigint).map_err(io::Error::other)?;
         #[cfg(unix)]
         {
             for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
@@ -1078,8 +1103,8 @@ impl Console {
         Ok(())
     }
 
-    /// If a signal has come, ends the program by the same signal. So a shell, and a loop or script around
-    /// the donut, can tell what ended it.
+    /// If a signal has come, ends the program by the same signal. So a shell, and a loop or script
+    /// around the program, can tell what ended it.
     fn end_by_signal(&self) {
         let signal = self.end_signal.load(SeqCst) as i32;
         if signal == 0 {
@@ -1093,7 +1118,8 @@ impl Console {
         process::exit(128 + signal) // What a shell would say of a program that the signal ended.
     }
 
-    /// Enters the terminal, if the donut has not yet. Returns true if it had not.
+    /// Enters the terminal, unless the program has entered already. Returns true if it has entered just
+    /// now.
     fn enter(&self) -> io::Result<bool> {
         if self.is_entered.swap(true, SeqCst) {
             return Ok(false);
@@ -1102,13 +1128,13 @@ impl Console {
         if let Some(tty) = &self.tty {
             let mut settings = self.settings.lock().unwrap();
             let before = match settings.take() {
-                // The donut had to leave in the background, where it could not give these back.
+                // The program had to leave in the background, where it could not give these back.
                 Some(before) => before,
                 None => termios::tcgetattr(tty)?,
             };
             let mut raw = settings.insert(before).clone();
             // Each key is to come at once, as a byte, and without an echo. But Ctrl-C and Ctrl-\ stay
-            // signals, so that they work while the donut is busy.
+            // signals, so that they work while the program is busy.
             raw.make_raw();
             raw.local_modes.insert(LocalModes::ISIG);
             raw.special_codes[SpecialCodeIndex::VSUSP] = NO_KEY; // Ctrl-Z is a byte, too: see `suspend`.
@@ -1118,13 +1144,14 @@ impl Console {
         Ok(true)
     }
 
-    /// Leaves the terminal as it was found, if the donut has entered it.
+    /// Leaves the terminal as it was found, if the program has entered it.
     fn leave(&self) -> io::Result<()> {
         if !self.is_entered.swap(false, SeqCst) {
             return Ok(());
         }
         let written = self.write(self.escapes.leave.as_bytes());
-        // Even if this failed: the terminal of the keys may be another one.
+        // The settings are given back even if the write has failed: they are those of the keys'
+        // terminal, which may be another one.
         #[cfg(unix)]
         if let (Some(tty), true) = (&self.tty, self.is_in_foreground()) {
             if let Some(settings) = self.settings.lock().unwrap().take() {
@@ -1162,8 +1189,8 @@ impl Console {
         Ok(())
     }
 
-    /// The columns and rows of the terminal, or `None` if standard output is none. A terminal that does not
-    /// know its size reports 0 and is taken for 80x24.
+    /// The columns and rows of the terminal, or `None` if standard output is not a terminal. A terminal
+    /// that does not know its size reports 0, and is taken for 80x24.
     fn size(&self) -> io::Result<Option<(u16, u16)>> {
         #[cfg(unix)]
         let size = || termios::tcgetwinsize(&self.stdout).map(|size| (size.ws_col, size.ws_row));
@@ -1173,8 +1200,9 @@ impl Console {
         Ok(if self.is_terminal { Some(or_default(size()?)) } else { None })
     }
 
-    /// Waits until a key is pressed or a signal comes, or until the time is up. Returns true if there is a
-    /// key to be read.
+    /// Waits until a key is pressed, or until the time is up. Returns true if there is a key to be read.
+    ///
+    /// Before the program enters the terminal, nothing is read from it: the keys are the shell's.
     fn wait(&self, time: Duration) -> io::Result<bool> {
         match &self.tty {
             #[cfg(unix)]
@@ -1188,7 +1216,7 @@ impl Console {
         }
     }
 
-    /// The keys that were pressed, of those that are a single byte.
+    /// The pressed keys that are a single byte.
     #[cfg(windows)]
     fn keys(&self) -> io::Result<Vec<u8>> {
         let mut keys = Vec::new();
@@ -1205,12 +1233,12 @@ impl Console {
 
 #[cfg(unix)]
 impl Console {
-    /// The keys that were pressed, of those that send a single byte.
+    /// The pressed keys that send a single byte.
     ///
     /// An arrow key, for one, sends a code: an ESC and more bytes. When an earlier program has asked the
-    /// terminal something, the answer may still come, and it is such a code as well. A code may arrive in
-    /// pieces. So everything that arrives from an ESC on, within ESCAPE_TIME, is dropped as part of a code.
-    /// The Esc key sends an ESC alone, or some of them if it is held down.
+    /// terminal something, the answer may still come, and it is such a code as well. A code may arrive
+    /// in pieces. So everything that arrives from an ESC on, within ESCAPE_TIME, is dropped as part of a
+    /// code. The Esc key sends an ESC alone, or some of them if it is held down.
     fn keys(&self) -> io::Result<Vec<u8>> {
         let mut tty = match &self.tty {
             Some(tty) if self.wait(Duration::ZERO)? => tty,
@@ -1235,32 +1263,34 @@ impl Console {
         Ok(keys)
     }
 
-    /// Whether the donut is in the foreground.
+    /// Whether the program is in the foreground.
     ///
-    /// This cannot be asked if the terminal is gone, if it belongs to no job or to one in another container,
-    /// or if there is no terminal for the keys. Then nobody else is known to use it, and the answer is yes.
+    /// There is no answer if there is no terminal for the keys, if it is not the terminal of a shell's
+    /// jobs, if the job in the foreground is outside of this container, or if the terminal is gone. In
+    /// these cases no other job is known to use it, so this says yes.
     fn is_in_foreground(&self) -> bool {
         let foreground = self.tty.as_ref().map(termios::tcgetpgrp);
         foreground.is_none_or(|group| group.is_err() || group == Ok(getpgrp()))
     }
 
-    /// Whether the donut may use the terminal. In the background it may not, and leaves the terminal.
-    fn may_use_terminal(&self) -> io::Result<bool> {
+    /// Whether the program is in the foreground. If it is not, or if it was stopped since the last call,
+    /// this leaves the terminal. Then the loop will enter the terminal anew.
+    fn check_foreground(&self) -> io::Result<bool> {
         let is_in_foreground = self.is_in_foreground();
-        // While the donut was stopped, another program may have used the terminal. If the donut leaves it
-        // here, the loop enters it anew.
         if self.was_continued.swap(false, SeqCst) || !is_in_foreground {
             self.leave()?;
         }
         Ok(is_in_foreground)
     }
 
-    /// Stops the donut's whole job, on Ctrl-Z, until the shell's `fg` continues it.
+    /// Stops the program's whole job, on Ctrl-Z, until the shell's `fg` continues it.
     ///
-    /// If the system did this by itself, it would stop a script that runs the donut before the donut could
-    /// leave the terminal, and the shell would write its prompt to the alternate screen. So the donut leaves
-    /// first, and then sends the job the signal that Ctrl-Z stands for. Where no shell could continue the
-    /// job, the system ignores the signal, and the loop enters the terminal again.
+    /// Normally the system does this by itself, and stops all processes of the job at once: the program,
+    /// and a script that it may run in. As soon as the script has stopped, the shell writes its prompt.
+    /// The program would still be on the alternate screen, and the prompt would be lost there. So the
+    /// program leaves the terminal first, and only then sends its job the signal that Ctrl-Z stands for.
+    /// Where no shell could continue the job, the system ignores the signal, and the loop enters the
+    /// terminal again.
     fn suspend(&self) -> io::Result<()> {
         // The first process of a container would not stop, but other processes of its job would.
         if process::id() == 1 {
@@ -1270,10 +1300,12 @@ impl Console {
         Ok(kill_current_process_group(Signal::TSTP)?)
     }
 
-    /// Waits until standard output takes more bytes, or for a while, and then lets `write` try again.
+    /// Waits until standard output takes more bytes, but no longer than POLL_INTERVAL. Then `write`
+    /// tries again.
     ///
-    /// A terminal that has stopped reading takes no more bytes for any time. If a signal ends the donut, the
-    /// write must not wait for that. Then this makes room for what `leave` writes, and fails.
+    /// A terminal that has stopped reading may never take another byte. So if a signal is to end the
+    /// program, this function does not wait. It returns an error, which ends the loop. Before that, it
+    /// discards the output that is still unread, to make room for what `leave` writes.
     fn wait_for_room(&self) -> io::Result<()> {
         if self.end_signal.load(SeqCst) == 0 {
             is_ready(&self.stdout, POLLOUT, POLL_INTERVAL);
@@ -1281,8 +1313,9 @@ impl Console {
         }
         // In the background, each of these calls would stop the program.
         if self.is_in_foreground() {
-            let _ = termios::tcflush(&self.stdout, QueueSelector::OFlush); // Drops unread output.
-            // If somebody has stopped the output, it can only go on after it was stopped this way.
+            let _ = termios::tcflush(&self.stdout, QueueSelector::OFlush);
+            // If Ctrl-S has stopped the output, OOn has no effect unless OOff stops the output once
+            // more.
             let _ = termios::tcflow(&self.stdout, Action::OOff);
             let _ = termios::tcflow(&self.stdout, Action::OOn);
         }
@@ -1294,20 +1327,21 @@ impl Console {
 #[cfg(unix)]
 fn is_ready(file: &File, events: i16, time: Duration) -> bool {
     let mut files = [pollfd { fd: file.as_raw_fd(), events, revents: 0 }];
-    // `poll` drops what is left of a millisecond. A signal ends it with an error.
+    // `poll` truncates the time to whole milliseconds, so this rounds it up. A signal ends `poll` with
+    // an error.
     let ready = poll(&mut files, Some(time + Duration::from_micros(999)));
     ready.is_ok_and(|count| count > 0)
 }
 
-/// The value of a special key that no byte stands for (_POSIX_VDISABLE).
+/// The value that disables a special key, such as the one that stops a job (_POSIX_VDISABLE).
 #[cfg(unix)]
 const NO_KEY: u8 = if cfg!(any(target_os = "linux", target_os = "android")) { 0 } else { 0xff };
 
 /// Standard output, without a buffer.
 ///
-/// A write to a terminal that has stopped reading would block, and a signal could not end the program. So
-/// the terminal is opened once more, in such a way that writes do not block. The programs that share
-/// standard output do not notice.
+/// A write to a terminal that has stopped reading would block, and a signal could not end the program.
+/// So the terminal is opened once more, in a way that writes do not block. This way belongs to the new
+/// open file, so it makes no difference to other programs that use standard output.
 #[cfg(unix)]
 fn open_stdout(is_terminal: bool) -> io::Result<File> {
     let stdout = io::stdout();

@@ -1,8 +1,8 @@
 //! The donut on a pseudo-terminal: what is on the screen, and how the terminal is left.
 //!
-//! A pseudo-terminal is one without a screen and a keyboard. `pty/mod.rs` makes them, and keeps the screen
-//! that a person would see. Some tests run the donut in a shell there, with job control: Ctrl-Z, `fg`, `bg`
-//! and `&`. Processes, as a shell sees them, are its jobs.
+//! A pseudo-terminal is a terminal without a screen or a keyboard. `pty/mod.rs` makes them, and keeps
+//! the screen that a person would see. Some tests run the donut in a shell there, with job control:
+//! Ctrl-Z, `fg`, `bg` and `&`. A shell calls the processes of one command a job.
 #![cfg(unix)]
 
 mod pty;
@@ -32,13 +32,13 @@ fn still_donut(size: (u16, u16)) -> Pty {
     pty
 }
 
-/// The lines of a screen with the still donut on it. The donut has the size that fits another screen,
-/// `size`, which is often the same.
-fn picture(screen: (u16, u16), size: (u16, u16)) -> Vec<String> {
-    last_picture(&[&STILL[..], &["--frames=1"]].concat(), screen, size)
+/// The lines of a screen with the still donut on it. The donut is as large as it would be on a screen
+/// of the size `fitted_to`, where two rows stay free.
+fn picture(screen: (u16, u16), fitted_to: (u16, u16)) -> Vec<String> {
+    last_picture(&[&STILL[..], &["--frames=1"]].concat(), screen, fitted_to)
 }
 
-/// The lines of a screen with the last frame on it that the donut draws with these options.
+/// The same for the last frame that is drawn with these options.
 fn last_picture(
     options: &[&str],
     (columns, rows): (u16, u16),
@@ -55,7 +55,7 @@ fn last_picture(
     lines
 }
 
-/// How many frames were written so far.
+/// How many frames have been written so far.
 fn frames(pty: &Pty) -> usize {
     pty.written().matches("\x1b[?2026l").count()
 }
@@ -158,7 +158,8 @@ fn a_new_size_is_seen_before_the_next_frame_but_one() {
     pty.resize((100, 30));
     let now = frames(&pty);
     pty.wait_for("the new size", |pty| pty.lines() == picture((100, 30), (100, 30)));
-    // One frame of the old size may have been on its way, and the other one is the first of the new size.
+    // One frame of the old size may have been on its way, and the other one is the first of the new
+    // size.
     assert!(frames(&pty) <= now + 2, "{} frames", frames(&pty) - now);
     assert_quits(&mut pty);
 }
@@ -221,8 +222,8 @@ fn other_keys_do_nothing_and_are_not_echoed_however_fast_they_come() {
     assert_quits(&mut pty);
 }
 
-/// Types a code in pieces. Returns false if the pieces came so far apart, because the machine is busy, that
-/// the donut need not take them for one code.
+/// Types a code in pieces. Returns false if the pieces came so far apart, because the machine is busy,
+/// that the donut need not take them for one code.
 fn type_in_pieces(pty: &mut Pty, pieces: &[&str]) -> bool {
     let start = Instant::now();
     for piece in pieces {
@@ -248,6 +249,7 @@ fn a_code_that_begins_with_escape_does_nothing_whole_or_in_pieces() {
         for pieces in [&[code][..], &[one.0, one.1], &[two.0, two.1], &[one.0, &code[1..2], two.1]]
         {
             let mut pty = still_donut((80, 24));
+            // A resize keeps the loop busy, so that the pieces meet it at different points.
             pty.resize((90, 30));
             while !type_in_pieces(&mut pty, pieces) {
                 pty = still_donut((90, 30));
@@ -359,8 +361,8 @@ fn it_ends_by_the_signal_that_came_but_restores_the_terminal_first() {
 
 #[test]
 fn a_signal_at_the_start_ends_it_however_early_it_comes() {
-    // The handlers are set up one after another. The first one does not know which signal has come, and takes
-    // it for Ctrl-C's.
+    // The handlers are set up one after another. The first one does not know which signal has come, and
+    // takes it for Ctrl-C's.
     let codes = [130, 143];
     for n in 0..400 {
         let mut pty = Pty::run(DONUT, &[], (80, 24), "xterm");
@@ -395,7 +397,7 @@ fn ctrl_c_ends_the_list_the_loop_and_the_script_that_the_donut_is_in() {
     }
 }
 
-/// Whether this shell is installed. If not, this prints that the test goes without it.
+/// Whether this shell is installed. If it is not, the test skips it, and this says so.
 fn is_installed(shell: &str) -> bool {
     let is_installed = Command::new(shell).args(["-c", ":"]).status().is_ok();
     if !is_installed {
@@ -470,6 +472,7 @@ fn ctrl_z_gives_the_terminal_back_and_fg_redraws() {
 
 #[test]
 fn ctrl_z_gives_back_the_settings_of_the_terminal() {
+    // After the stop, cat has the terminal. It leaves the settings as they are.
     let mut pty = Pty::run("sh", &["-c", &format!("set -m; {DONUT}; exec cat")], (80, 24), "xterm");
     pty.wait_for("a frame", |pty| frames(pty) > 0);
     pty.type_bytes(b"\x1a");
@@ -479,9 +482,9 @@ fn ctrl_z_gives_back_the_settings_of_the_terminal() {
     pty.signal_job("KILL");
 }
 
-/// Ctrl-Z stops a whole job: the donut, and the script or subshell that it is in. As soon as the script has
-/// stopped, the shell writes its prompt. If the donut were still on the alternate screen at that time, the
-/// prompt would vanish with that screen.
+/// Ctrl-Z stops a whole job: the donut, and the script or subshell that it is in. As soon as the script
+/// has stopped, the shell writes its prompt. If the donut were still on the alternate screen at that
+/// time, the prompt would vanish with that screen.
 #[test]
 fn after_ctrl_z_under_a_script_or_in_a_subshell_the_prompt_can_be_read() {
     for shell in ["bash", "dash"].into_iter().filter(|shell| is_installed(shell)) {
@@ -496,7 +499,7 @@ fn after_ctrl_z_under_a_script_or_in_a_subshell_the_prompt_can_be_read() {
                 pty.wait_for("the shell", |pty| {
                     pty.lines().iter().any(|line| line.contains("Stopped"))
                 });
-                // bash changes the settings for its prompt.
+                // bash changes the settings for its prompt, so there they cannot be compared.
                 if shell == "dash" {
                     pty.assert_settings_restored();
                 }
@@ -528,8 +531,8 @@ fn a_signal_that_comes_with_a_ctrl_z_ends_it() {
     let mut pty = Pty::shell("bash", (80, 24));
     type_line(&mut pty, &format!("sh -c '{DONUT}; exit $?'"));
     pty.wait_for("a frame", |pty| frames(pty) > 0);
-    // The job is the inner shell, and the donut is a child of the job. If only the donut is stopped, bash does
-    // not notice. So the key and the signal are both there when the donut goes on.
+    // The job is the inner shell, and the donut is a child of the job. If only the donut is stopped,
+    // bash does not notice. So the key and the signal are both there when the donut goes on.
     let job = pty.job().unwrap();
     let signal_donut = |signal| {
         let status = Command::new("pkill").args([signal, "-P", &job]).status();
@@ -631,8 +634,9 @@ fn a_stopped_donut_takes_the_terminal_again_whoever_stopped_it() {
         pty.type_bytes(b"q");
         assert_code(&mut pty, 0);
         assert!(!pty.lines().iter().any(|line| line.starts_with('q')), "{:?}", pty.lines());
-        // Where a stopped job has changed the settings, dash leaves them as they are, so the donut has to
-        // remember the ones from before. bash changes the settings for its prompt.
+        // Where a stopped job has changed the settings, dash leaves them as they are, so the donut has
+        // to remember the ones from before. bash changes the settings for its prompt, so there they
+        // cannot be compared.
         if shell == "dash" {
             pty.assert_settings_restored();
         }
@@ -688,7 +692,7 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
         type_line(pty, &format!("{DONUT} {}", STILL.join(" ")));
         pty.wait_for("the picture", |pty| pty.lines() == picture((80, 24), (80, 24)));
     };
-    let start_behind: Step = |pty| {
+    let start_in_background: Step = |pty| {
         type_line(pty, &format!("{DONUT} &"));
         if cfg!(target_os = "linux") {
             pty.wait_for("its handlers", Pty::has_sigterm_handler);
@@ -705,8 +709,8 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
         &[start, half_a_key, bg, kill],
         &[start, stop, kill],
         &[start, stop, bg, kill],
-        &[start_behind, kill],
-        &[start_behind, hang_up],
+        &[start_in_background, kill],
+        &[start_in_background, hang_up],
     ] {
         let mut pty = Pty::shell("bash", (80, 24));
         steps.iter().for_each(|step| step(&mut pty));
@@ -726,8 +730,8 @@ fn timeout_ends_it_in_the_foreground_and_in_the_background() {
     type_line(&mut pty, &format!("timeout 1 {DONUT}"));
     pty.wait_for("a frame", |pty| frames(pty) > 0);
     assert_code(&mut pty, 124);
-    // timeout makes the donut a job of its own. Where there is no job control, nothing puts this job into the
-    // foreground.
+    // timeout makes the donut a job of its own. Where there is no job control, nothing puts this job
+    // into the foreground.
     let command = format!("timeout 1 {DONUT}; exit $?");
     let mut pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
     assert_eq!(pty.exit(), 124);
@@ -738,22 +742,23 @@ fn timeout_ends_it_in_the_foreground_and_in_the_background() {
 #[test]
 fn it_ends_when_the_terminal_goes_even_without_sighup() {
     // A program that ignores SIGHUP passes this on to the programs that it starts.
-    let quiet = |options| format!("trap '' HUP; {DONUT} {options}; exit $?");
+    let ignoring_sighup = |options| format!("trap '' HUP; {DONUT} {options}; exit $?");
     for (command, key) in [
         (format!("exec {DONUT} --fps=5"), &b"x"[..]),
         (format!("exec {DONUT} --fps=0.01"), b"x"),
         (format!("exec {DONUT}"), b"p"),
-        (quiet("--fps=5"), b"x"),
-        (quiet("--fps=0.01"), b"x"),
-        (quiet(""), b"p"),
-        (quiet("--fps=0.01 < /dev/null"), b""),
+        (ignoring_sighup("--fps=5"), b"x"),
+        (ignoring_sighup("--fps=0.01"), b"x"),
+        (ignoring_sighup(""), b"p"),
+        (ignoring_sighup("--fps=0.01 < /dev/null"), b""),
     ] {
         let mut pty = Pty::run_unread("sh", &["-c", &command], (80, 24), "xterm");
         pty.read_until(|pty| frames(pty) > 0);
         pty.type_bytes(key);
         sleep(Duration::from_millis(300));
         pty.hang_up();
-        // The first process of a session gets a SIGHUP, but it may see before that that the terminal is gone.
+        // The first process of a session gets a SIGHUP, but it may notice first that the terminal is
+        // gone.
         let code = pty.exit();
         assert!(code == 1 || (code == 129 && command.starts_with("exec")), "{code}: {command}");
     }
@@ -762,7 +767,7 @@ fn it_ends_when_the_terminal_goes_even_without_sighup() {
 /// A donut on a terminal that reads nothing, once it has written as much as the terminal holds.
 fn stuck_donut(size: (u16, u16)) -> Pty {
     let pty = Pty::run_unread(DONUT, &["--fps=0", "--color=red"], size, "xterm");
-    pty.wait_for("the start", Pty::is_changed);
+    pty.wait_for("the start", Pty::has_changed_settings);
     sleep(Duration::from_millis(300));
     pty
 }
@@ -833,7 +838,7 @@ fn in_the_background_of_a_terminal_that_reads_nothing_signals_end_it() {
 #[test]
 fn a_terminal_that_reads_nothing_for_a_while_goes_on_afterwards() {
     let mut pty = Pty::run_unread(DONUT, &STILL, (200, 50), "xterm");
-    pty.wait_for("the start", Pty::is_changed);
+    pty.wait_for("the start", Pty::has_changed_settings);
     sleep(Duration::from_millis(1500));
     pty.signal("CONT");
     pty.type_bytes(b"x");
@@ -849,7 +854,7 @@ fn a_signal_ends_it_on_a_terminal_that_is_not_its_own_and_reads_nothing() {
     let shown = Pty::run_unread("sleep", &["100"], (200, 50), "xterm");
     let command = format!("exec {DONUT} --fps=0 > {}", shown.path());
     let mut pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
-    pty.wait_for("the start", Pty::is_changed);
+    pty.wait_for("the start", Pty::has_changed_settings);
     sleep(Duration::from_millis(300));
     pty.signal("TERM");
     assert_eq!(pty.exit(), 143);
@@ -920,13 +925,13 @@ fn the_picture_fits_the_terminal_that_it_is_drawn_on() {
 }
 
 #[test]
-fn when_the_terminal_of_the_keys_goes_that_of_the_picture_is_given_back() {
+fn losing_the_terminal_of_the_keys_restores_that_of_the_picture() {
     let shown = Pty::run("sleep", &["100"], (60, 20), "xterm");
     let command = format!("trap '' HUP; exec {DONUT} > {}", shown.path());
     let mut pty = Pty::run_unread("sh", &["-c", &command], (80, 24), "xterm");
     shown.wait_for("a frame", |shown| frames(shown) > 0);
     pty.hang_up();
-    // It gets a SIGHUP, but it may see before that that the terminal is gone.
+    // It gets a SIGHUP, but it may notice first that the terminal is gone.
     assert!([1, 129].contains(&pty.exit()));
     shown.assert_restored();
 }
@@ -964,7 +969,7 @@ fn keys_come_from_standard_input_where_the_session_has_no_terminal() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn without_any_keys_it_runs_on_signals() {
+fn without_any_keys_it_still_obeys_signals() {
     use std::os::unix::process::ExitStatusExt;
     let shown = Pty::run("sleep", &["100"], (80, 24), "xterm");
     let command = format!("exec setsid {DONUT} < /dev/null > {}", shown.path());
@@ -1034,7 +1039,7 @@ fn with_frames_0_nothing_is_written_to_any_terminal() {
 }
 
 #[test]
-fn a_colour_is_one_sequence_a_frame_even_with_no_color() {
+fn a_colour_is_one_sequence_a_frame_even_if_no_color_is_set() {
     for (color, expected) in [
         ("red", vt100::Color::Idx(9)),
         ("208", vt100::Color::Idx(208)),
@@ -1047,6 +1052,7 @@ fn a_colour_is_one_sequence_a_frame_even_with_no_color() {
         pty.wait_for("some frames", |pty| frames(pty) > 5);
         let written = pty.written();
         let last = written.rsplit("\x1b[?2026h").nth(1).unwrap();
+        // The top left, the colour, the end of the update, and the end of the colour.
         assert_eq!(last.matches("\x1b[").count(), 4, "{last:?}");
     }
 }

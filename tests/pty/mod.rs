@@ -17,7 +17,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 pub struct Pty {
     /// The side of the terminal that the person sees. `None` after the person has hung up.
     master: Option<Box<dyn MasterPty + Send>>,
-    /// The side of the program. It is kept here, because the terminal would go when nobody has it open.
+    /// The side of the program. It is kept here, because a terminal that no program has open is closed.
     _slave: Box<dyn SlavePty + Send>,
     child: Box<dyn Child + Send + Sync>,
     keys: Option<Arc<Mutex<dyn Write + Send>>>,
@@ -93,7 +93,7 @@ impl Pty {
         pty
     }
 
-    /// Runs a program on a terminal that does not read what it writes.
+    /// Runs a program on a terminal that does not read its output, until `read` is called.
     pub fn run_unread(program: &str, arguments: &[&str], size: (u16, u16), term: &str) -> Pty {
         let pair = native_pty_system().openpty(pty_size(size)).unwrap();
         let settings = format!("{:?}", pair.master.get_termios().unwrap());
@@ -122,8 +122,8 @@ impl Pty {
         self.master.as_deref().unwrap()
     }
 
-    /// Types on the keyboard. If the program reads no keys, the terminal takes no more of them at some point.
-    /// Then this panics.
+    /// Types on the keyboard. If the program reads no keys, the terminal takes no more of them at some
+    /// point. Then this panics.
     #[track_caller]
     pub fn type_bytes(&mut self, bytes: &[u8]) {
         let (keys, bytes) = (self.keys.clone().unwrap(), bytes.to_vec());
@@ -147,7 +147,7 @@ impl Pty {
         self.seen.lock().unwrap().terminal.process(b"\x1b[2;1Hscribble\x1b[22;1Hscribble");
     }
 
-    /// Closes the terminal, as when its window goes.
+    /// Closes the terminal, as when its window is closed.
     pub fn hang_up(&mut self) {
         self.keys = None;
         self.master = None;
@@ -163,9 +163,9 @@ impl Pty {
         kill(name, &format!("-{}", self.process()));
     }
 
-    /// What `ps` says in one column about the process that the program runs: for a shell, its job. `None` if
-    /// this process has ended.
-    fn job_column(&self, column: &str) -> Option<String> {
+    /// What `ps` says in one column about the process that the program runs: for a shell, its job.
+    /// `None` if this process has ended.
+    fn ps_column_of_job(&self, column: &str) -> Option<String> {
         let parent = self.process().to_string();
         let path = self.path();
         let terminal = path.strip_prefix("/dev/").unwrap();
@@ -181,19 +181,20 @@ impl Pty {
 
     /// The number of the process that the program runs. `None` if this process has ended.
     pub fn job(&self) -> Option<String> {
-        self.job_column("pid=")
+        self.ps_column_of_job("pid=")
     }
 
     /// Whether the process that the program runs has a handler for SIGTERM.
     pub fn has_sigterm_handler(&self) -> bool {
         let caught =
-            self.job_column("caught=").and_then(|mask| u64::from_str_radix(&mask, 16).ok());
-        caught.is_some_and(|mask| mask & 1 << 14 != 0)
+            self.ps_column_of_job("caught=").and_then(|mask| u64::from_str_radix(&mask, 16).ok());
+        const SIGTERM_BIT: u64 = 1 << (15 - 1);
+        caught.is_some_and(|mask| mask & SIGTERM_BIT != 0)
     }
 
     /// Whether the process that the program runs is stopped.
     pub fn is_stopped(&self) -> bool {
-        self.job_column("state=").is_some_and(|state| state.starts_with('T'))
+        self.ps_column_of_job("state=").is_some_and(|state| state.starts_with('T'))
     }
 
     /// Sends a signal to the process that the program runs, and to no other.
@@ -239,12 +240,12 @@ impl Pty {
         self.child.try_wait().unwrap().is_none()
     }
 
-    /// Waits for the program to end, and until all that it wrote is read. Returns what a shell would call
-    /// its exit code.
+    /// Waits for the program to end, and until all that it wrote is read. Returns what a shell would
+    /// call its exit code.
     #[track_caller]
     pub fn exit(&mut self) -> u32 {
         let code = self.exit_code();
-        // The output stays unread where nobody reads it, or the terminal is gone.
+        // If nobody reads the output, it stays there. So this waits for a second at most.
         for _ in 0..10 {
             thread::sleep(Duration::from_millis(100));
             if self.master.is_none() || !self.is_unread() {
@@ -254,7 +255,7 @@ impl Pty {
         code
     }
 
-    /// Whether there is output that was not read yet.
+    /// Whether there is output that has not been read yet.
     fn is_unread(&self) -> bool {
         let fd = self.master().as_raw_fd().unwrap();
         let mut output = [pollfd { fd, events: POLLIN, revents: 0 }];
@@ -277,8 +278,8 @@ impl Pty {
         })
     }
 
-    /// Asserts that cursor, screen, colour, synchronized updates and settings are as they were before the
-    /// program started.
+    /// Asserts that cursor, screen, colour, synchronized updates and settings are as they were before
+    /// the program started.
     #[track_caller]
     pub fn assert_restored(&self) {
         let (hidden, alternate) = self.screen(|s| (s.hide_cursor(), s.alternate_screen()));
@@ -296,7 +297,7 @@ impl Pty {
     }
 
     /// Whether the program has changed the terminal's settings.
-    pub fn is_changed(&self) -> bool {
+    pub fn has_changed_settings(&self) -> bool {
         self.settings_now() != self.settings
     }
 

@@ -236,7 +236,7 @@ fn failures() -> String {
         ("further away: `--k2 50000`", scene(2.0, 50_000.0), &poses),
     ];
     let mut table = String::from(
-        "| wrong cells, in % of the donut's | donut.c's steps | sphere tracing | Newton, one start \
+        "| wrong cells, as % of the donut's cells | donut.c's steps | sphere tracing | Newton, one start \
          | Ferrari f32 | Ferrari f64 | closed form | exact |\n|---|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for (name, view, poses) in rows {
@@ -289,7 +289,7 @@ fn clock_errors() -> Vec<(u32, f64)> {
     let (mut frame, mut angle, mut largest) = (0, 0.0, 0.0);
     let mut error_at = |n| {
         while frame < n {
-            (frame, angle) = (frame + 1, advance(angle, 0.04));
+            (frame, angle) = (frame + 1, add_step(angle, 0.04));
             largest = f64::max(largest, (f64::from(angle) - 0.04 * f64::from(frame)).abs());
         }
         (n, largest)

@@ -238,8 +238,8 @@ pub fn donut_c(a: f32, b: f32, view: &View, zbuffer: &mut [f32], framebuffer: &m
                 zbuffer[o] = ooz;
                 framebuffer[o] = glyph(RAMP, luminance.into());
             }
-            i = advance(i, 0.02);
+            i = add_step(i, 0.02);
         }
-        j = advance(j, 0.07);
+        j = add_step(j, 0.07);
     }
 }
