@@ -592,9 +592,10 @@ const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
 /// What takes the place of the ramp while the shading is off.
 const FLAT: &[u8; 12] = &[b'.'; 12];
 
-/// The character of a luminance L, which is from -sqrt 2 to sqrt 2 but for rounding.
+/// The character of a luminance L: the whole part of 8 L is its place in the ramp.
 fn glyph(ramp: &[u8; 12], luminance: f64) -> u8 {
-    // `as u8` rounds towards 0 and saturates, so a negative L becomes 0.
+    // Where the surface faces away from the light, L is negative, and `as u8` makes it 0. On the donut,
+    // 8 L is at most 11.3. Whatever L is, `min` keeps the index within the ramp.
     ramp[usize::from((8.0 * luminance) as u8).min(11)]
 }
 
@@ -699,16 +700,19 @@ impl Renderer {
         let (torus, edge) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
         for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
             let dy = (row as f64 + 0.5 - cy) / k1y;
-            // Rays beyond the edge have nothing to hit.
+            // The donut stays in a sphere, which appears as a circle. Only the cells of a row that are in
+            // the circle can show the donut. The circle begins right of column 0, or at its right edge.
+            // There, rounding may put column 0 among the cells, but its ray passes the sphere by half a
+            // cell, and misses.
             let half_width = (edge * edge - dy * dy).max(0.0).sqrt() * k1x;
             let end = width.min((cx + half_width) as usize + 1);
             for column in ((cx - half_width) as usize..end).step_by(LANES) {
                 let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
-                let rays = torus.rays(std::array::from_fn(dx), dy, k2);
+                let rays = std::array::from_fn(|i| torus.ray(dx(i), dy, k2));
                 let hits = torus.first_hits(&rays);
                 for (i, cell) in cells[column..end].iter_mut().take(LANES).enumerate() {
                     if hits[i] < MISS {
-                        *cell = glyph(self.ramp, torus.luminance(&rays, i, hits[i]) + TIE_BIAS);
+                        *cell = glyph(self.ramp, torus.luminance(&rays[i], hits[i]) + TIE_BIAS);
                     }
                 }
             }
@@ -762,33 +766,37 @@ fn floor(value: f32) -> u32 {
 
 // ---- exact: rays and a torus ---------------------------------------------------------------------
 
-/// How many rays are solved side by side: while one waits for its division, others go on.
-const LANES: usize = 8;
+/// How many rays are solved side by side. The compiler turns a loop over them into vector instructions,
+/// and while one ray waits for a division, others go on.
+const LANES: usize = 16;
+/// One number for each of these rays.
 type Lanes = [f64; LANES];
 /// The s of a ray that misses (see `Torus`).
 const MISS: f64 = f64::INFINITY;
-/// A search ends after a step shorter than this, in units of R1. At a simple root each step doubles the
-/// correct digits, so the error is then below rounding. Where a ray grazes the donut, a step only halves
-/// the error; but there the ray is within 1e-16 of the surface for 1e-8 to either side.
+/// A search has arrived when its next step is no longer than this, in units of R1.
+///
+/// The steps of Newton's method soon become tiny: once they are short, the next error is about the
+/// square of this one. So after a last step of 1e-8, hardly more than rounding is left. Where the ray
+/// only grazes the donut, the method is slower, and each step only halves the error. But there the
+/// surface runs along the ray: 1e-8 further on, it is still closer to the ray than f64 can tell.
 const LAST_STEP: f64 = 1e-8;
-/// Most rays take about 5 steps. One that grazes the tube twice, at the distance delta, takes about
-/// `2 log2((1 + R2) / sqrt(2 delta))`; 67 is the most found. Only a search for a triple root takes more.
-const MOST_STEPS: usize = 100;
-/// Added to each luminance, too little to be seen. Where 8 L is a whole number, as it may be in
-/// symmetric poses, all machines then choose the brighter of two glyphs, however they round.
+/// Added to each luminance, too little to be seen. In symmetric poses, 8 L may be exactly a whole
+/// number, which rounding puts on either side. With this added, all machines choose the brighter of the
+/// two glyphs.
 const TIE_BIAS: f64 = 1e-12;
 
-/// The donut of one frame, as a ray meets it.
+/// The donut of one frame.
 ///
 /// A ray is P = P0 + s U. U is its direction, of length 1. P0 is its point nearest to the donut's
-/// centre, which is the origin, so P0 and U are at right angles. Three numbers matter about a point P:
+/// centre, which is the origin, so P0 and U are at right angles. The number s says where on the ray P
+/// is: s is 0 at P0, and negative on the viewer's side of it. Three numbers matter about a point P:
 /// ```text
 /// |P|^2 = d0 + s^2      the square of its distance from the centre
-/// f     = f0 + fu s     its height above the plane of the ring
+/// f     = f0 + fu s     how far it is from the plane of the ring: negative on one side of it
 /// l     = l0 + lu s     its dot product with (0, -1, -1), the vector to the light
 /// ```
 ///
-/// At the distance h from the axis, P is on the surface if it is R1 = 1 away from the ring:
+/// Let h be the distance of P from the axis. P is on the surface if it is R1 = 1 away from the ring:
 /// ```text
 /// (h - R2)^2 + f^2 = 1
 /// |P|^2 + R2^2 - 1 = 2 R2 h                        because |P|^2 = h^2 + f^2
@@ -796,11 +804,13 @@ const TIE_BIAS: f64 = 1e-12;
 /// G(s) = s^4 + p s^2 + q s + r = 0                 left minus right, along the ray
 /// ```
 ///
-/// G is positive outside the donut. Because s counts from P0, there is no cubic term, and the
-/// coefficients stay small however far away the viewer is.
+/// G is positive outside the donut, and negative inside. Because s counts from P0, there is no cubic
+/// term, and the coefficients stay small however far away the viewer is.
 ///
-/// f64 cannot decide two kinds of cell, so they may be wrong: where 8 L is less than 1e-11 below a whole
-/// number, and where a tube thinner or thicker by 1e-13 (R1 + R2) would change what the ray hits.
+/// In two kinds of cell, f64 has too few digits to decide between two glyphs, or between a glyph and a
+/// blank. Such a cell is a tie, and may show either:
+/// - 8 L is less than 1e-11 below a whole number.
+/// - With a tube thinner or thicker by 1e-13 (R1 + R2), the cell would show something else.
 struct Torus {
     r2: f64,
     /// The axis of revolution, of length 1, after the turns by A and B. No third angle matters: a donut
@@ -808,14 +818,14 @@ struct Torus {
     axis: [f64; 3],
 }
 
-/// The numbers d0, f0, fu, l0 and lu of each ray.
-#[derive(Default)]
-struct Rays {
-    d0: Lanes,
-    f0: Lanes,
-    fu: Lanes,
-    l0: Lanes,
-    lu: Lanes,
+/// What `Torus` says about a ray.
+#[derive(Clone, Copy)]
+struct Ray {
+    d0: f64,
+    f0: f64,
+    fu: f64,
+    l0: f64,
+    lu: f64,
 }
 
 impl Torus {
@@ -824,26 +834,24 @@ impl Torus {
         Torus { r2, axis: [sin_a * sin_b, -sin_a * cos_b, cos_a] }
     }
 
-    /// The rays from the viewer at (0, 0, -K2) in the directions (dx, dy, 1).
-    fn rays(&self, dx: Lanes, dy: f64, k2: f64) -> Rays {
+    /// The ray from the viewer at (0, 0, -K2) in the direction (dx, dy, 1).
+    fn ray(&self, dx: f64, dy: f64, k2: f64) -> Ray {
         let [x, y, z] = self.axis;
-        let mut rays = Rays::default();
-        for (i, dx) in dx.into_iter().enumerate() {
-            // U is (dx, dy, 1) times cos, P0 is (dx, dy, -tan2) times depth, and k2 = depth (1 + tan2).
-            let tan2 = dx * dx + dy * dy;
-            let cos = 1.0 / (1.0 + tan2).sqrt();
-            let depth = k2 * cos * cos;
-            rays.d0[i] = k2 * depth * tan2;
-            rays.f0[i] = depth * (dx * x + dy * y - tan2 * z);
-            rays.fu[i] = cos * (dx * x + dy * y + z);
-            rays.l0[i] = depth * (tan2 - dy);
-            rays.lu[i] = -cos * (dy + 1.0);
+        // U is (dx, dy, 1) times cos, P0 is (dx, dy, -tan2) times depth, and k2 = depth (1 + tan2).
+        let tan2 = dx * dx + dy * dy;
+        let cos = 1.0 / (1.0 + tan2).sqrt();
+        let depth = k2 * cos * cos;
+        Ray {
+            d0: k2 * depth * tan2,
+            f0: depth * (dx * x + dy * y - tan2 * z),
+            fu: cos * (dx * x + dy * y + z),
+            l0: depth * (tan2 - dy),
+            lu: -cos * (dy + 1.0),
         }
-        rays
     }
 
-    /// The coefficients p, q and r of a ray's G.
-    fn quartic(&self, d0: f64, f0: f64, fu: f64) -> [f64; 3] {
+    /// The coefficients p, q and r of the ray's G.
+    fn quartic(&self, &Ray { d0, f0, fu, .. }: &Ray) -> [f64; 3] {
         let (inner, outer, r2_r2) = (self.r2 - 1.0, self.r2 + 1.0, self.r2 * self.r2);
         let p = 2.0 * (d0 - r2_r2 - 1.0) + 4.0 * r2_r2 * fu * fu;
         let q = 8.0 * r2_r2 * f0 * fu;
@@ -851,66 +859,9 @@ impl Torus {
         [p, q, r]
     }
 
-    /// The s of each ray's first hit: the first root of its G, found by Newton's method.
-    /// ```text
-    ///  G  \           .---.           /
-    ///      \        .'     '.        /     -w and w are the inflections of G: it is concave between
-    ///  -----a------b---------c------d--> s them, and convex to the left and to the right. (Without
-    ///        '.  .'           '.  .'       inflections it is convex everywhere, and w is 0.)
-    ///          '' -w         w  ''
-    /// ```
-    ///
-    /// The ray enters the donut where G falls to 0: at a or at c, or nowhere.
-    ///
-    /// 1. Left of -w, the steps lead to a from the left and never pass it. If there is no a, they
-    ///    lead to where G rises, or to -w or past it. Then the search starts again, at w.
-    /// 2. If G is positive at w, the steps lead to c from the left. If there is no c, they lead to
-    ///    where G rises, and the ray misses.
-    /// 3. If G is negative at w, c is between -w and w, and the steps lead to it from the right.
-    ///
-    /// All rays step until the last has arrived. This changes the others' last bits at most, if their
-    /// roots are simple. A ray that misses stays at infinity, where the slope is infinite.
-    ///
-    /// Where the outline of the donut ends in a cusp, a ray has a triple root at -w. Rounding may send
-    /// its search from one side to the other without end. Such a ray hits at -w.
-    fn first_hits(&self, rays: &Rays) -> Lanes {
-        let [mut p, mut q, mut r, mut w, mut s] = [[0.0; LANES]; 5];
-        for i in 0..LANES {
-            let (d0, f0, fu) = (rays.d0[i], rays.f0[i], rays.fu[i]);
-            [p[i], q[i], r[i]] = self.quartic(d0, f0, fu);
-            w[i] = (p[i] * (-1.0 / 6.0)).max(0.0).sqrt();
-            // Right of -w there is no a, and cases 2 and 3 find c from w: so the search may begin there.
-            let entry = self.entry(d0, f0, fu);
-            s[i] = if entry < -w[i] { entry } else { w[i] };
-        }
-        for steps in 1..=MOST_STEPS {
-            let mut searching = false;
-            // `|` and `&` make no branches, so the compiler vectorises this loop.
-            for i in 0..LANES {
-                let ss = s[i] * s[i];
-                let ss_p = ss + p[i];
-                let slope = 2.0 * (ss_p + ss) * s[i] + q[i];
-                let step = ((ss_p * s[i] + q[i]) * s[i] + r[i]) / slope;
-                let next = s[i] - step;
-                let dead_end = (slope >= 0.0) | ((s[i] < -w[i]) & (next >= -w[i]));
-                // A dead end before w leads to w. In case 3, only rounding at a triple root makes one.
-                let is_before_w = s[i] < w[i];
-                let restart = if is_before_w { w[i] } else { MISS };
-                let next = if dead_end { restart } else { next };
-                let goes_on = (dead_end & is_before_w) | (!dead_end & (step.abs() > LAST_STEP));
-                s[i] = if goes_on & (steps == MOST_STEPS) { -w[i] } else { next };
-                searching |= goes_on;
-            }
-            if !searching {
-                break;
-            }
-        }
-        s
-    }
-
-    /// The s where the ray enters the space that the donut stays in: a sphere of radius R1 + R2, between
-    /// two planes, f = -1 and f = 1. No hit comes before it.
-    fn entry(&self, d0: f64, f0: f64, fu: f64) -> f64 {
+    /// The s where the ray enters the space that the donut stays in: a sphere of radius R1 + R2,
+    /// between two planes, f = -1 and f = 1. No hit comes before it.
+    fn entry(&self, &Ray { d0, f0, fu, .. }: &Ray) -> f64 {
         let radius = 1.0 + self.r2;
         let sphere = -(radius * radius - d0).max(0.0).sqrt();
         // If fu is 0, this is at infinity, or NaN, which `max` ignores.
@@ -918,16 +869,104 @@ impl Torus {
         sphere.max(planes)
     }
 
-    /// The luminance where ray i hits: the dot product of the normal and the vector to the light.
+    /// The s of each ray's first hit. The viewer is outside the donut, so a ray hits where its G first
+    /// falls to 0. In the drawing that is a. Without the left valley, or with one that is not deep
+    /// enough, it is c. If no valley is deep enough, the ray misses.
+    /// ```text
+    ///  G  \           .---.           /
+    ///      \        .'     '.        /     -w and w are the inflections of G: it bends down between
+    ///  -----a------b---------c------d--> s them, and up to the left and to the right. (Without
+    ///        '.  .'           '.  .'       inflections it bends up everywhere, and w is 0.)
+    ///          '' -w         w  ''
+    /// ```
+    ///
+    /// Newton's method searches for these roots. It steps from s to where the tangent of G at s is 0.
+    /// Where G bends up, it lies above its tangents, so a step that starts where G is positive never
+    /// passes a root. Where G bends down, the same holds for a step that starts where G is negative.
+    ///
+    /// 1. A search that starts left of -w climbs, to the right, towards a. If there is no a, it comes
+    ///    to a dead end: a place where G rises, or a step that leads to -w or past it. The search then
+    ///    starts again, at w.
+    /// 2. If G is positive at w, the search climbs on from there towards c. If there is no c, it comes
+    ///    to where G rises, and stays there: the ray misses.
+    /// 3. If G is negative at w, c is between -w and w. The search sinks from w, to the left, towards c.
+    ///
+    /// A search that climbs never steps to the left, and one that sinks never steps to the right. Where
+    /// a step would lead the wrong way, the search stays. Either G rises there, as in case 2, or the
+    /// search is so close to the root that rounding decides the direction, and it has arrived. This is
+    /// why no search goes on for ever: each pass of a loop moves one in its own direction by more than
+    /// `LAST_STEP`, or lets one start again, which each does once at most, or is the last.
+    ///
+    /// A ray that arrives early still takes part in the passes that the others need. This moves its hit
+    /// within rounding, and may lose a hit that only grazes.
+    fn first_hits(&self, rays: &[Ray; LANES]) -> Lanes {
+        let [mut p, mut q, mut r, mut w, mut s] = [[0.0; LANES]; 5];
+        for (i, ray) in rays.iter().enumerate() {
+            [p[i], q[i], r[i]] = self.quartic(ray);
+            w[i] = (p[i] * (-1.0 / 6.0)).max(0.0).sqrt();
+            // A ray that enters right of -w cannot hit at a.
+            let entry = self.entry(ray);
+            s[i] = if entry < -w[i] { entry } else { w[i] };
+        }
+        // Cases 1 and 2. The compiler vectorises this loop, because `|`, `&` and an `if` that only
+        // chooses between two values need no branches.
+        let mut climbing = true;
+        while climbing {
+            climbing = false;
+            for i in 0..LANES {
+                let (next, slope) = newton([p[i], q[i], r[i]], s[i]);
+                let dead_end = (s[i] < -w[i]) & ((slope >= 0.0) | (next >= -w[i]));
+                let higher = larger(next, s[i]);
+                climbing |= dead_end | (higher - s[i] > LAST_STEP);
+                s[i] = if dead_end { w[i] } else { higher };
+            }
+        }
+        // A search that could not leave w is case 3, if G falls there. It may sink as far as -w, and the
+        // others stay where they are.
+        let (mut lowest, mut sinking) = (s, false);
+        for i in 0..LANES {
+            let (_, slope) = newton([p[i], q[i], r[i]], s[i]);
+            let sinks = (s[i] == w[i]) & (slope < 0.0);
+            let misses = (s[i] >= w[i]) & (slope >= 0.0);
+            s[i] = if misses { MISS } else { s[i] };
+            lowest[i] = if sinks { -w[i] } else { s[i] };
+            sinking |= sinks;
+        }
+        while sinking {
+            sinking = false;
+            for i in 0..LANES {
+                let (next, _) = newton([p[i], q[i], r[i]], s[i]);
+                let next = larger(next, lowest[i]);
+                sinking |= s[i] - next > LAST_STEP;
+                s[i] = if next < s[i] { next } else { s[i] };
+            }
+        }
+        s
+    }
+
+    /// The luminance where the ray hits: the dot product of the normal and the vector to the light.
     /// With the axis n, the normal at P is `(P - f n) (1 - R2 / h) + f n`. On the surface h is
     /// `(|P|^2 + R2^2 - 1) / (2 R2)`, which takes no square root.
-    fn luminance(&self, rays: &Rays, i: usize, s: f64) -> f64 {
+    fn luminance(&self, ray: &Ray, s: f64) -> f64 {
         let (r2_r2, n_dot_light) = (self.r2 * self.r2, -(self.axis[1] + self.axis[2]));
-        let f = rays.f0[i] + rays.fu[i] * s;
-        let p_dot_light = rays.l0[i] + rays.lu[i] * s;
-        let radial = 1.0 - 2.0 * r2_r2 / (rays.d0[i] + s * s + r2_r2 - 1.0);
+        let f = ray.f0 + ray.fu * s;
+        let p_dot_light = ray.l0 + ray.lu * s;
+        let radial = 1.0 - 2.0 * r2_r2 / (ray.d0 + s * s + r2_r2 - 1.0);
         (p_dot_light - f * n_dot_light) * radial + f * n_dot_light
     }
+}
+
+/// Where Newton's method steps from s, and the slope of G at s.
+fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
+    let ss = s * s;
+    let slope = 2.0 * (ss + p + ss) * s + q;
+    (s - (((ss + p) * s + q) * s + r) / slope, slope)
+}
+
+/// The larger of two numbers, or `b` if `a` is NaN. A processor has one instruction for this, but takes
+/// several for `f64::max`, which minds NaN in `b` as well.
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 // ---- Terminal ------------------------------------------------------------------------------------

@@ -87,17 +87,14 @@ fn sphere_tracing(view: View, most_steps: usize) -> NamedMethod {
     })
 }
 
-/// A method that follows one ray after another. `first_hit` finds the s of a ray's first hit from
-/// its d0, f0 and fu, as they are defined at `Torus`.
+/// A method that follows one ray after another. `first_hit` finds the s of a ray's first hit.
 fn ray_by_ray(
     name: &str,
     view: View,
-    first_hit: impl Fn(&Torus, f64, f64, f64) -> f64 + 'static,
+    first_hit: impl Fn(&Torus, &Ray) -> f64 + 'static,
 ) -> NamedMethod {
     named(name, move |a, b, cells| {
-        trace_with((a, b), &view, cells, |torus, [rays]: &[Rays; 1]| {
-            [std::array::from_fn(|i| first_hit(torus, rays.d0[i], rays.f0[i], rays.fu[i]))]
-        });
+        trace_with((a, b), &view, cells, |torus, [ray]| [first_hit(torus, ray)]);
     })
 }
 
@@ -106,7 +103,7 @@ fn closed_form(
     view: View,
     first_root: impl Fn([f64; 3]) -> f64 + 'static,
 ) -> NamedMethod {
-    ray_by_ray(name, view, move |torus, d0, f0, fu| first_root(torus.quartic(d0, f0, fu)))
+    ray_by_ray(name, view, move |torus, ray| first_root(torus.quartic(ray)))
 }
 
 /// The program's own two methods, in donut.c's view enlarged this many times.
@@ -245,8 +242,8 @@ fn failures() -> String {
             program("classic", with_steps(view, 0.07, 0.02)),
             sphere_tracing(view, 64),
             ray_by_ray("Newton", view, newton_once),
-            ray_by_ray("f32", view, move |torus, d0, _, fu| textbook_f32(torus, k2, d0, fu)),
-            ray_by_ray("f64", view, move |torus, d0, _, fu| textbook_f64(torus, k2, d0, fu)),
+            ray_by_ray("f32", view, move |torus, ray| textbook_f32(torus, k2, ray)),
+            ray_by_ray("f64", view, move |torus, ray| textbook_f64(torus, k2, ray)),
             closed_form("closed form", view, |g| first_root_f64(g, 0)),
             program("exact", renderer(view, Method::Exact)),
         ];

@@ -10,13 +10,13 @@
 
 use crate::tests::*;
 
-/// Draws as the program's `trace` does, but finds the hits by `first_hits`, which is given N blocks
-/// of rays at a time.
+/// Draws as the program's `trace` does, but finds the hits by `first_hits`, which is given N rays at a
+/// time.
 pub fn trace_with<const N: usize>(
     (a, b): (f64, f64),
     view: &View,
     framebuffer: &mut [u8],
-    first_hits: impl Fn(&Torus, &[Rays; N]) -> [Lanes; N],
+    first_hits: impl Fn(&Torus, &[Ray; N]) -> [f64; N],
 ) {
     let View { r2, k2, width, cx, cy, k1x, k1y, .. } = *view;
     let (torus, edge) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
@@ -24,17 +24,13 @@ pub fn trace_with<const N: usize>(
         let dy = (row as f64 + 0.5 - cy) / k1y;
         let half = (edge * edge - dy * dy).max(0.0).sqrt() * k1x;
         let (first, last) = ((cx - half) as usize, ((cx + half) as usize + 1).min(width));
-        for column in (first..last).step_by(N * LANES) {
-            let dx = |ray| ((column + ray) as f64 + 0.5 - cx) / k1x;
-            let block = |n| torus.rays(std::array::from_fn(|lane| dx(n * LANES + lane)), dy, k2);
-            let rays = std::array::from_fn(block);
+        for column in (first..last).step_by(N) {
+            let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
+            let rays = std::array::from_fn(|i| torus.ray(dx(i), dy, k2));
             let hits = first_hits(&torus, &rays);
-            let blocks = cells[column..last].chunks_mut(LANES).zip(&rays).zip(&hits);
-            for ((cells, rays), hits) in blocks {
-                for (i, cell) in cells.iter_mut().enumerate() {
-                    if hits[i] < MISS {
-                        *cell = glyph(RAMP, torus.luminance(rays, i, hits[i]) + TIE_BIAS);
-                    }
+            for (i, cell) in cells[column..last].iter_mut().take(N).enumerate() {
+                if hits[i] < MISS {
+                    *cell = glyph(RAMP, torus.luminance(&rays[i], hits[i]) + TIE_BIAS);
                 }
             }
         }
@@ -43,7 +39,6 @@ pub fn trace_with<const N: usize>(
 
 /// How many rays sphere tracing solves side by side.
 const RAYS: usize = 16;
-const BLOCKS: usize = RAYS / LANES;
 
 /// Sphere tracing, in f32. The search starts at the sphere round the donut. Each step along the ray
 /// is as long as the distance to the surface, so it cannot pass the surface.
@@ -53,12 +48,12 @@ const BLOCKS: usize = RAYS / LANES;
 /// is small, more rays run out of steps before they hit; if it is large, more rays stop beside an
 /// outline that they should pass. The tolerance `1 / most_steps^2` is a compromise that shrinks as
 /// the steps become more.
-pub fn sphere_trace(r2: f64, rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes; BLOCKS] {
+pub fn sphere_trace(r2: f64, rays: &[Ray; RAYS], most_steps: usize) -> [f64; RAYS] {
     let tolerance = (most_steps as f32).powi(-2);
-    let lanes = |quantity: fn(&Rays) -> &Lanes| -> [f32; RAYS] {
-        std::array::from_fn(|i| quantity(&rays[i / LANES])[i % LANES] as f32)
-    };
-    let (q0, z0, uz) = (lanes(|r| &r.d0), lanes(|r| &r.f0), lanes(|r| &r.fu));
+    let [mut q0, mut z0, mut uz] = [[0.0; RAYS]; 3];
+    for (i, ray) in rays.iter().enumerate() {
+        [q0[i], z0[i], uz[i]] = [ray.d0, ray.f0, ray.fu].map(|number| number as f32);
+    }
     let r2 = r2 as f32;
     let h = q0.map(|q0| ((1.0 + r2) * (1.0 + r2) - q0).max(0.0).sqrt());
     let mut s = h.map(|h| -h);
@@ -77,12 +72,7 @@ pub fn sphere_trace(r2: f64, rays: &[Rays; BLOCKS], most_steps: usize) -> [Lanes
             break;
         }
     }
-    std::array::from_fn(|n| {
-        std::array::from_fn(|lane| {
-            let i = n * LANES + lane;
-            if distance[i] <= tolerance { s[i].into() } else { MISS }
-        })
-    })
+    std::array::from_fn(|i| if distance[i] <= tolerance { s[i].into() } else { MISS })
 }
 
 /// A closed form: Ferrari's solution of G(s) = 0, in f32 or in f64. It gives the first root, and
@@ -147,10 +137,10 @@ closed_form!(first_root_f64, f64);
 ///
 /// The ray hits where the search ends. It misses if that is outside the sphere, or if 64 steps are
 /// not enough.
-pub fn newton_once(torus: &Torus, d0: f64, f0: f64, fu: f64) -> f64 {
+pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
     let radius = 1.0 + torus.r2;
-    let half = (radius * radius - d0).max(0.0).sqrt();
-    let ([p, q, r], mut s) = (torus.quartic(d0, f0, fu), -half);
+    let half = (radius * radius - ray.d0).max(0.0).sqrt();
+    let ([p, q, r], mut s) = (torus.quartic(ray), -half);
     for _ in 0..64 {
         let slope = (4.0 * s * s + 2.0 * p) * s + q;
         let step = (((s * s + p) * s + q) * s + r) / slope;
@@ -174,7 +164,7 @@ pub fn newton_once(torus: &Torus, d0: f64, f0: f64, fu: f64) -> f64 {
 /// P0, the point of the ray nearest to the donut's centre, and k is `K2^2 + R2^2 - 1`.
 macro_rules! textbook {
     ($name:ident, $float:ident) => {
-        pub fn $name(torus: &Torus, k2: f64, d0: f64, fu: f64) -> f64 {
+        pub fn $name(torus: &Torus, k2: f64, &Ray { d0, fu, .. }: &Ray) -> f64 {
             let (t0, f, rr) = ((k2 * k2 - d0).sqrt(), -k2 * torus.axis[2], torus.r2 * torus.r2);
             let [t0, f, fu, k2, rr] = [t0, f, fu, k2, 4.0 * rr].map(|value| value as $float);
             // t^4 + a t^3 + b t^2 + c t + d
