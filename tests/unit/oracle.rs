@@ -1,10 +1,17 @@
-//! What a ray sees, found in another way: this shares no code and no method with the program.
+//! What a ray sees, found in another way: the oracle shares no code and no method with the program.
 //!
-//! The ray is turned into the torus's own frame, where the distance to the surface is a formula. Along
-//! the ray, this distance changes by no more than the distance travelled, and it bends by no more than the torus
-//! does. So an interval is empty if the distance is large enough at its middle, or at both ends. All other
-//! intervals are halved, the nearer half first, down to the last bits. There is no polynomial, no
-//! derivative and nothing that has to converge.
+//! The oracle looks at the ray from the torus's own axes, where a point's distance from the surface is a
+//! simple formula. It searches an interval of the ray for the first point whose distance is 0:
+//!
+//! - Whoever travels along the ray cannot come nearer to the surface by more than they travel. So if the
+//!   distance at the middle of the interval is larger than half its length, the interval is empty.
+//! - Along the ray, the distance changes smoothly: its curve bends no more sharply than a circle of
+//!   known radius. So if the distance is large enough at both ends, the curve cannot sag to 0 between
+//!   them, and the interval is empty.
+//! - Any other interval is halved, and the nearer half is searched first, until the halves are as short
+//!   as rounding allows.
+//!
+//! There is no polynomial, no derivative, and nothing that has to converge.
 
 /// A torus turned and seen from `k2` away, in any unit of length.
 pub struct Oracle {
@@ -15,9 +22,11 @@ pub struct Oracle {
     pub frame: [[f64; 3]; 3],
 }
 
-/// If 8 L is less than this below a whole number, that number is a tie: `exact` adds a hair to L.
+/// Where 8 L is less than this below a whole number, either of the two glyphs is right: `exact` adds
+/// `TIE_BIAS` to L, and rounds.
 const LEVEL_TIE: f64 = 1e-11;
-/// What a tube thinner or thicker by this would show is a tie, in units of R1 + R2: f64 cannot tell.
+/// A tube thinner or thicker by this, in units of R1 + R2, is the same to f64. What either tube would
+/// show is right as well.
 const GRAZE_TIE: f64 = 1e-13;
 
 pub fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {
@@ -25,7 +34,7 @@ pub fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {
 }
 
 impl Oracle {
-    /// donut.c's turns: about x by A, then about z by B.
+    /// A torus turned as in donut.c: about x by A, then about z by B.
     pub fn new(r1: f64, r2: f64, k2: f64, a: f64, b: f64) -> Oracle {
         let (sin_a, cos_a, sin_b, cos_b) = (a.sin(), a.cos(), b.sin(), b.cos());
         let frame = [
@@ -41,7 +50,7 @@ impl Oracle {
         self.look_at_tube(self.r1, dx, dy)
     }
 
-    /// The same if the radius of the tube were another.
+    /// What `look` would see with a tube of another radius.
     fn look_at_tube(&self, r1: f64, dx: f64, dy: f64) -> Option<f64> {
         let (q, u) = self.ray(dx, dy);
         let t = self.first_hit(q, u, r1)?;
@@ -52,7 +61,7 @@ impl Oracle {
         Some(8.0 * dot(normal, light) / r1)
     }
 
-    /// Whether the drawn level (nothing for a blank) is right, wrong or a tie.
+    /// Judges what was drawn: a level from 0 to 11, or nothing for a blank.
     pub fn judge(&self, dx: f64, dy: f64, drawn: Option<usize>) -> Verdict {
         let level = |light: f64| light.max(0.0) as usize;
         let truth = self.look(dx, dy);
@@ -94,8 +103,11 @@ impl Oracle {
     }
 }
 
-/// The first zero of the distance within `half` of `middle`, to within `end`. `measure` gives the distance
-/// and the least radius in which it can bend. Both change by no more than the distance travelled.
+/// The first t at which the distance is 0, between `middle - half` and `middle + half`. Intervals are
+/// halved down to `end`.
+///
+/// At a t, `measure` gives the distance, and the radius of the smallest circle in which the curve of the
+/// distance can bend there. Neither changes by more than t does.
 fn search(measure: &impl Fn(f64) -> (f64, f64), middle: f64, half: f64, end: f64) -> Option<f64> {
     let (distance, radius) = measure(middle);
     let at_ends = || measure(middle - half).0.min(measure(middle + half).0);
@@ -114,11 +126,12 @@ fn search(measure: &impl Fn(f64) -> (f64, f64), middle: f64, half: f64, end: f64
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
     Right,
+    /// Not what the oracle sees, but f64 cannot tell the two apart.
     Tie,
-    /// Blank where there is surface.
+    /// Blank where the oracle sees the donut.
     Hole,
-    /// Drawn where there is none.
+    /// A glyph where the oracle sees nothing.
     Extra,
-    /// Another glyph: a wrong shade, or the far wall seen through the near one.
+    /// Another glyph than the oracle's: a wrong shade, or the far wall seen through the near one.
     Shade,
 }
