@@ -302,6 +302,7 @@ fn unknown_options_methods_and_arguments_are_refused() {
 #[test]
 fn a_pipe_gets_one_sequence_that_clears_the_screen_and_then_frames_of_1764_bytes() {
     let stream = output_of(&["--frames=3", "--fps=0"]);
+    // A frame is `ESC [ H`, 22 rows of 80 bytes, and a newline.
     assert_eq!(stream.len(), 4 + 3 * 1764);
     assert!(stream.starts_with("\x1b[2J\x1b[H\n"));
     for frame in stream.as_bytes()[4..].chunks(1764) {
@@ -369,9 +370,9 @@ fn where_stdout_is_no_terminal_signals_have_their_default_action() {
     {
         let file = format!("{}/signal-{name}", env!("CARGO_TARGET_TMPDIR"));
         let _ = fs::remove_file(&file);
-        // A signal that is ignored stays ignored in the programs that are started, and a script ignores
-        // SIGINT for its jobs in the background: this test may be part of such a job. portable-pty
-        // gives these four signals their default action before it starts a program.
+        // A program inherits the signals that are ignored, and a script ignores SIGINT for its jobs in
+        // the background. This test may be part of such a job. portable-pty gives the four signals
+        // their default action before it starts a program.
         let pty = native_pty_system().openpty(PtySize::default()).unwrap();
         let mut shell = CommandBuilder::new("sh");
         shell.args(["-c", r#"ulimit -c 0; exec "$0" > "$1""#, DONUT, &file]);
@@ -394,6 +395,7 @@ fn where_stdout_is_no_terminal_signals_have_their_default_action() {
 #[test]
 fn every_frame_is_one_write() {
     use std::os::{fd::OwnedFd, unix::net::UnixDatagram};
+    // On a datagram socket, each write is a packet of its own.
     let (reader, writer) = UnixDatagram::pair().unwrap();
     let options = ["--frames=3", "--fps=5", "--color=red"];
     let child = donut(&options).stdout(OwnedFd::from(writer)).spawn().unwrap();
@@ -498,6 +500,7 @@ fn ratio(most: f64) -> impl Strategy<Value = f64> {
 }
 
 fn angle() -> impl Strategy<Value = f64> {
+    // The last one is where the floats of classic get too coarse.
     let special = [0.0, 1e-300, -1e-300, std::f64::consts::FRAC_PI_2, 3_345_245.0 * 0.04];
     prop_oneof![number(-1e9, 1e9), -7.0..7.0, prop::sample::select(special.to_vec())]
 }

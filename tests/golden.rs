@@ -76,8 +76,8 @@ fn exact_draws_the_stored_pictures() {
     assert_stored("exact", &[("80", "22"), ("120", "36"), ("200", "60")]);
 }
 
-/// `.ci/run` runs this test twice, in a debug build and in a release build. So the pictures may depend
-/// neither on the optimiser nor on the systems that CI runs on.
+/// `.ci/run` runs this test twice, in a debug build and in a release build. So the pictures must
+/// depend neither on the optimiser nor on the systems that CI runs on.
 #[test]
 fn the_first_300_frames_of_exact_have_the_stored_hash_in_every_build() {
     let stream = donut(&["--method=exact", "--frames=300", "--fps=0"]);
@@ -98,8 +98,8 @@ fn auto_is_classic_at_donut_cs_size_and_exact_elsewhere() {
 #[test]
 fn auto_goes_on_with_exact_where_the_floats_of_classic_get_too_coarse() {
     // In frame 6 the angle A is 1/64 below 2^17. From 2^17 on, floats are so far apart that the
-    // next step, of 0.04, is rounded to 0.047. So exact draws frame 6, at the angles to which
-    // classic has added up.
+    // next step, of 0.04, is rounded to 0.047. So exact draws frame 6, at the angles that the
+    // sums of classic have reached.
     let start = ["-A=131071.75", "-B=0.5", "--fps=0"];
     let auto = frames(&donut(&[&start[..], &["--frames=12"]].concat()));
     let classic = donut(&[&start[..], &["--frames=12", "--method=classic"]].concat());

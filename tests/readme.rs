@@ -22,8 +22,7 @@ fn frames(options: &str) -> Vec<Vec<String>> {
 /// The width and the height of a cell, in pixels.
 const CELL: (f64, f64) = (9.6, 19.2);
 
-/// The start of a picture that has room for this number of columns and of rows of cells, on a dark
-/// ground.
+/// The start of a picture with a dark background, and with room for this many columns and rows of cells.
 fn head(title: &str, columns: f64, rows: f64, style: &str) -> String {
     let (width, height) = (columns * CELL.0, rows * CELL.1);
     format!(
@@ -177,11 +176,10 @@ fn clock_errors() -> Vec<(f64, f64)> {
 /// What the README has to say: words from it, with `#` in place of a figure, and the value of that
 /// figure.
 ///
-/// For example, the README says "After 31 hours the numbers are so coarse". The entry for it is
-/// `("After # hours the numbers", hours(faster))`. The words on both sides of the `#` find the figure 31.
-/// The value is 30.97, which is compared with the same number of decimals as the figure has, here
-/// none. Line breaks in the README do not matter. Where the words occur more than once, the first
-/// place counts.
+/// For example, the README says "After 31 hours the numbers are so coarse". The entry for it is `("After
+/// # hours the numbers", hours(faster))`. The words on both sides of the `#` find the figure 31. The
+/// value is 30.97, which is compared with the same number of decimals as the figure has, here none. Line
+/// breaks in the README do not matter. Where the words occur more than once, the first place counts.
 fn figures() -> Vec<(&'static str, f64)> {
     let [one_shade, more_shades, holes, extra] =
         ["one shade off", "more shades off", "holes", "extra outline"].map(wrong_in_classic);
@@ -200,7 +198,7 @@ fn figures() -> Vec<(&'static str, f64)> {
         ("brighter; in #% it is further off", more_shades),
         ("That is another #%.", extra),
         ("Exact is # times as fast as a literal", times_as_fast("exact", "donut.c as written")),
-        ("and is # times as fast. The points", times_as_fast("classic x1", "donut.c as written")),
+        ("and is # times as fast. The dots", times_as_fast("classic x1", "donut.c as written")),
         ("but takes # times as long as exact", times_as_fast("exact", "closed form f64")),
         ("errors add up to a whole turn in # hours", hours(whole_turn)),
         ("After # hours the numbers", hours(faster)),

@@ -62,7 +62,7 @@ fn products_of_the_luminance_are_multiplied_in_donut_cs_order() {
 fn steps_of_any_size_go_round_the_circle_exactly_once() {
     for step in [0.07, 0.02, 0.01, 0.001, 0.0001] {
         let (sin, cos) = trig_table(step);
-        // From the last angle on to the first there is at most one step left, but for rounding.
+        // Between the last angle and a full turn, at most one step is missing, apart from rounding.
         let left = f64::from(-sin.last().unwrap()).atan2((*cos.last().unwrap()).into());
         assert!(left > 0.0 && left < 1.01 * step, "{step}: {left}");
         assert!((sin.len() as f64 - TAU / step).abs() < 1.0 + 0.01 * TAU / step, "{step}");
@@ -70,7 +70,7 @@ fn steps_of_any_size_go_round_the_circle_exactly_once() {
 }
 
 #[test]
-fn floor_is_the_cast_of_c() {
+fn floor_equals_a_cast_in_c() {
     for value in [
         0.0_f32,
         1e-30,
@@ -96,7 +96,7 @@ fn samples_at_the_very_edge_of_the_picture_leave_row_0_and_column_0_blank() {
         let mut renderer =
             Renderer::new(View::new(width, height, aspect, 2.0, 5.0), Method::Classic, RAMP);
         for n in 0..2000 {
-            // The donut is edge-on and turns slowly from lying to upright and on. In some of these
+            // The donut is edge-on and turns slowly from lying to upright and beyond. In some of these
             // poses, samples fall exactly on the edge of the donut, which touches the edge of the
             // picture.
             renderer.render_frame(std::f64::consts::FRAC_PI_2, 0.001 * f64::from(n));

@@ -5,7 +5,7 @@ use super::*;
 /// The first frame of donut.c whose angles are also those of every frame after it.
 const FROZEN: u64 = 22_918_663;
 
-/// donut.c's spin, from these angles on.
+/// A clock that starts at these angles, with donut.c's spin.
 fn clock(a: f64, b: f64) -> Clock {
     Clock { start: [a, b], ticks: 0, spin: [0.04, 0.02] }
 }
@@ -99,17 +99,16 @@ fn auto_is_exact_where_a_float_cannot_hold_the_angle() {
 
 #[test]
 fn auto_is_classic_if_floats_follow_the_spin_to_within_a_tenth_of_it() {
-    // From 2^17 on, floats are this far apart. Adding one of these spins, which are near that
-    // distance, adds the distance itself.
+    // From 2^17 on, floats are this far apart. A spin of nearly this distance is rounded to it.
     let apart = 0.015_625;
-    for (spin, method) in [
+    for (factor, method) in [
         (0.92, Method::Classic),
         (0.90, Method::Exact),
         (1.10, Method::Classic),
         (1.12, Method::Exact),
     ] {
-        let clock = Clock { spin: [apart * spin, 0.0], ..clock(131_072.0, 0.0) };
-        assert!(choose_method(MethodOption::Auto, &View::DONUT_C, &clock) == method, "{spin}");
+        let clock = Clock { spin: [factor * apart, 0.0], ..clock(131_072.0, 0.0) };
+        assert!(choose_method(MethodOption::Auto, &View::DONUT_C, &clock) == method, "{factor}");
     }
 }
 

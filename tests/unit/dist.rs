@@ -76,7 +76,7 @@ fn assert_allows(text: &str, range: &str) {
 }
 
 /// The range of an option, in the words of the manual page and of the help.
-fn ends<T: Display>((range, _): Numbers<T>) -> String {
+fn range_in_words<T: Display>((range, _): Numbers<T>) -> String {
     format!("from {} to {}", range.start(), range.end())
 }
 
@@ -85,12 +85,12 @@ fn the_help_says_which_numbers_are_allowed() {
     let (least, most) = (RING_RATIOS.start(), RING_RATIOS.end());
     let command = Options::command();
     for (name, range) in [
-        ("fps", ends(RATES)),
+        ("fps", range_in_words(RATES)),
         ("spin", format!("from {:e} to {:e}", ANGLES.0.start(), ANGLES.0.end())),
-        ("width", ends(SIZES)),
-        ("height", ends(SIZES)),
-        ("aspect", ends(ASPECTS)),
-        ("r1", ends(LENGTHS)),
+        ("width", range_in_words(SIZES)),
+        ("height", range_in_words(SIZES)),
+        ("aspect", range_in_words(ASPECTS)),
+        ("r1", range_in_words(LENGTHS)),
         ("r2", format!("{least} to {most} times --r1")),
         ("k2", format!("{LEAST_DISTANCE} times the sum of --r1 and --r2")),
     ] {
@@ -105,17 +105,17 @@ fn the_manual_page_says_which_values_are_allowed() {
     let page = manual_page();
     let angles = format!("at most {:e} either way", ANGLES.0.end());
     for (option, range) in [
-        ("--fps", ends(RATES)),
+        ("--fps", range_in_words(RATES)),
         ("--frames", COUNTS.1.into()),
         ("--spin", angles.clone()),
         ("-A", angles.clone()),
         ("-B", angles),
-        ("--width", ends(SIZES)),
-        ("--height", ends(SIZES)),
-        ("--aspect", ends(ASPECTS)),
-        ("--r1", ends(LENGTHS)),
-        ("--r2", ends(LENGTHS)),
-        ("--k2", ends(LENGTHS)),
+        ("--width", range_in_words(SIZES)),
+        ("--height", range_in_words(SIZES)),
+        ("--aspect", range_in_words(ASPECTS)),
+        ("--r1", range_in_words(LENGTHS)),
+        ("--r2", range_in_words(LENGTHS)),
+        ("--k2", range_in_words(LENGTHS)),
     ] {
         assert_allows(entry(&page, option).1, &range);
     }
@@ -123,7 +123,8 @@ fn the_manual_page_says_which_values_are_allowed() {
     for name in color_names() {
         assert!(colors.contains(&name), "no {name} in {colors:?}");
     }
-    // The page has the rules for options that do not fit together in the words of the program's messages.
+    // The page has the rules for options that do not fit together in the words of the program's
+    // messages.
     for (options, rule) in [
         (&["--r2=0.5"][..], "1.001 to 30 times --r1"),
         (&["--k2=1"], "at least 1.001 times the sum of --r1 and --r2"),

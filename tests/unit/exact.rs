@@ -483,7 +483,7 @@ fn no_pose_is_cut_off_and_the_donut_is_as_large_as_it_can_be() {
             // No ray just outside the picture hits the donut.
             let (w, h) = (width as f64, height as f64);
             let (left, right, top, bottom) = (0.999, w + 0.001, 0.999, h + 0.001);
-            for (a, b) in own_poses(12) {
+            for (a, b) in donut_c_poses(12) {
                 for n in 0..=100 {
                     let (x, y) = (w * f64::from(n) / 100.0, h * f64::from(n) / 100.0);
                     assert!(!sees(a, b, left, y) && !sees(a, b, right, y), "{width}x{height}");

@@ -59,7 +59,7 @@ fn level(glyph: u8) -> Option<usize> {
 }
 
 /// Poses of donut.c itself, 61 frames apart.
-fn own_poses(count: usize) -> Vec<(f64, f64)> {
+fn donut_c_poses(count: usize) -> Vec<(f64, f64)> {
     (0..count).map(|n| (2.44 * n as f64, 1.22 * n as f64)).collect()
 }
 

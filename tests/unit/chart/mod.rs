@@ -107,17 +107,18 @@ fn closed_form(
 }
 
 /// The program's own two methods, in donut.c's view enlarged this many times.
-fn own_methods(times: usize) -> Vec<NamedMethod> {
+fn program_methods(times: usize) -> Vec<NamedMethod> {
     [("classic x1", Method::Classic), ("exact", Method::Exact)]
         .map(|(name, method)| program(name, renderer(enlarged(times), method)))
         .into()
 }
 
-/// The methods to compare them with, in the same view.
+/// The methods to compare the program's own with, in the same view.
 fn methods_to_compare(times: usize) -> Vec<NamedMethod> {
     let view = enlarged(times);
     let steps =
         |name: &str, factor: f64| program(name, with_steps(view, 0.07 * factor, 0.02 * factor));
+    // The steps of classic in an enlarged view, which are as long as donut.c's in cells.
     let own = 1.0 / times as f64;
     let mut methods = vec![
         steps("classic x4", 4.0 * own),
@@ -125,6 +126,7 @@ fn methods_to_compare(times: usize) -> Vec<NamedMethod> {
         steps("classic x1/2", 0.5 * own),
         steps("classic x1/4", 0.25 * own),
         steps("fixed 0.07/0.02", 1.0),
+        // In f32, the closed form needs a step of Newton's method to get all its digits right.
         closed_form("closed form f32", view, |g| first_root_f32(g, 1)),
         closed_form("closed form f64", view, |g| first_root_f64(g, 0)),
     ];
@@ -180,7 +182,7 @@ fn micros(methods: &mut [NamedMethod], view: &View, seconds: u64) -> Vec<[f64; 3
     let start = Instant::now();
     loop {
         for (method, samples) in methods.iter_mut().zip(&mut samples) {
-            for (a, b) in own_poses(5) {
+            for (a, b) in donut_c_poses(5) {
                 for frame in 0..40 {
                     let frame = f64::from(frame);
                     let start = Instant::now();
@@ -208,7 +210,7 @@ fn micros(methods: &mut [NamedMethod], view: &View, seconds: u64) -> Vec<[f64; 3
 /// The lines of the table for these methods.
 fn measure(mut methods: Vec<NamedMethod>, view: &View, seconds: u64) -> String {
     let micros = micros(&mut methods, view, seconds);
-    let (wrong, surface) = wrong_cells(&mut methods, view, &own_poses(POSES));
+    let (wrong, surface) = wrong_cells(&mut methods, view, &donut_c_poses(POSES));
     let mut lines = String::new();
     for ((method, [median, low, high]), wrong) in methods.iter().zip(micros).zip(wrong) {
         let (name, size) = (&method.name, format!("{}x{}", view.width, view.height));
@@ -221,7 +223,7 @@ fn measure(mut methods: Vec<NamedMethod>, view: &View, seconds: u64) -> String {
 /// The README's table of where methods fail.
 fn failures() -> String {
     let scene = |r2, k2| View::new(160, 44, 2.0, r2, k2);
-    let poses = own_poses(10);
+    let poses = donut_c_poses(10);
     let edge_on: Vec<_> = poses.iter().map(|&(_, b)| (TAU / 4.0 + 1e-4, b)).collect();
     let rows = [
         ("donut.c's donut, at 160x44", scene(2.0, 5.0), &poses),
@@ -251,6 +253,7 @@ fn failures() -> String {
         write!(table, "| {name} |").unwrap();
         for wrong in wrong {
             let share = wrong.share(surface);
+            // One decimal from 1 to 10, and one significant digit below.
             let decimals = match share {
                 10.0.. | 0.0 => 0,
                 1.0.. => 1,
@@ -327,7 +330,7 @@ fn measure_and_write_the_tables_and_the_charts() {
     let mut table = String::from(TITLES);
     // How many times donut.c's view is enlarged, and for how many seconds its frames are timed.
     for (times, seconds) in [(1, 15), (2, 20), (4, 30), (8, 5), (16, 10)] {
-        let mut methods = own_methods(times);
+        let mut methods = program_methods(times);
         if times <= 4 {
             methods.extend(methods_to_compare(times));
         }
@@ -349,8 +352,8 @@ fn the_charts_the_clocks_table_and_the_readmes_table_are_up_to_date() {
 
 #[test]
 fn the_wrong_cells_of_classic_and_exact_in_the_table_are_those_counted_now() {
-    let (table, mut methods) = (read(TABLE), own_methods(1));
-    let (wrong, surface) = wrong_cells(&mut methods, &View::DONUT_C, &own_poses(POSES));
+    let (table, mut methods) = (read(TABLE), program_methods(1));
+    let (wrong, surface) = wrong_cells(&mut methods, &View::DONUT_C, &donut_c_poses(POSES));
     for (method, wrong) in methods.iter().zip(wrong) {
         let (start, end) = (format!("{},80x22,", method.name), wrong.columns(surface));
         assert!(
@@ -361,13 +364,13 @@ fn the_wrong_cells_of_classic_and_exact_in_the_table_are_those_counted_now() {
 }
 
 /// `donut_c` is a literal translation of donut.c's loop, with donut.c's own conditions for each
-/// sample. The program's classic leaves these conditions out, and has to draw the same all the
-/// same: also where the outline passes the edges of the picture, and where the back shows through
-/// gaps between the samples.
+/// sample. The program's classic leaves these conditions out, and must still draw the same picture,
+/// even where the outline passes the edges of the picture, and where the back shows through gaps
+/// between the samples.
 #[test]
 fn classic_draws_the_same_as_a_literal_translation_of_donut_c() {
     let eighths = (0..64).map(|n| (f64::from(n % 8) * TAU / 8.0, f64::from(n / 8) * TAU / 8.0));
-    let poses: Vec<_> = own_poses(12).into_iter().chain(eighths).collect();
+    let poses: Vec<_> = donut_c_poses(12).into_iter().chain(eighths).collect();
     // At these sizes classic has donut.c's own steps of theta and phi.
     for (width, height) in [(80, 22), (40, 12), (33, 17), (60, 19), (61, 9), (3, 2)] {
         let view = fitted(width, height);

@@ -5,8 +5,8 @@
 //! time. Only `donut_c` is deliberately written as donut.c is. `newton_once` and the textbook
 //! formulas are not timed, only judged.
 //!
-//! The methods that follow rays use the program's own rays and shading, in f64. Only the way in
-//! which they find a ray's first hit is another than that of exact.
+//! The methods that follow rays use the program's own rays and shading, in f64. They differ from
+//! exact only in how they find a ray's first hit.
 
 use crate::tests::*;
 
@@ -50,19 +50,19 @@ const RAYS: usize = 16;
 /// the steps become more.
 pub fn sphere_trace(r2: f64, rays: &[Ray; RAYS], most_steps: usize) -> [f64; RAYS] {
     let tolerance = (most_steps as f32).powi(-2);
-    let [mut q0, mut z0, mut uz] = [[0.0; RAYS]; 3];
+    let [mut d0, mut f0, mut fu] = [[0.0; RAYS]; 3];
     for (i, ray) in rays.iter().enumerate() {
-        [q0[i], z0[i], uz[i]] = [ray.d0, ray.f0, ray.fu].map(|number| number as f32);
+        [d0[i], f0[i], fu[i]] = [ray.d0, ray.f0, ray.fu].map(|number| number as f32);
     }
     let r2 = r2 as f32;
-    let h = q0.map(|q0| ((1.0 + r2) * (1.0 + r2) - q0).max(0.0).sqrt());
+    let h = d0.map(|d0| ((1.0 + r2) * (1.0 + r2) - d0).max(0.0).sqrt());
     let mut s = h.map(|h| -h);
     let mut distance = [f32::INFINITY; RAYS];
     for _ in 0..most_steps {
         let mut running = false;
         for i in 0..RAYS {
-            let z = z0[i] + s[i] * uz[i];
-            let rho = (q0[i] + s[i] * s[i] - z * z).max(0.0).sqrt();
+            let z = f0[i] + s[i] * fu[i];
+            let rho = (d0[i] + s[i] * s[i] - z * z).max(0.0).sqrt();
             distance[i] = ((rho - r2) * (rho - r2) + z * z).sqrt() - 1.0;
             let open = (distance[i] > tolerance) & (s[i] < h[i]);
             s[i] += if open { distance[i] } else { 0.0 };
@@ -107,8 +107,8 @@ macro_rules! closed_form {
             let y = (v - 2.0 / 3.0 * p).max(0.0);
             let alpha = y.sqrt();
             // This is gamma - beta. It equals q / alpha; but where alpha is almost 0, so is q, and
-            // rounding spoils their quotient. There, the root of (beta + gamma)^2 - 4 beta gamma is
-            // taken.
+            // rounding spoils their quotient. There, the square root of (beta + gamma)^2 -
+            // 4 beta gamma is taken.
             let apart = if y < p.abs() / 8.0 {
                 ((p + y) * (p + y) - 4.0 * r).max(0.0).sqrt().copysign(q)
             } else {

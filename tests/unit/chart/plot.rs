@@ -83,8 +83,8 @@ struct Panel<'a> {
 }
 
 impl<'a> Panel<'a> {
-    /// Draws the axes with their marks, and three texts: the title, what the upward axis shows, and
-    /// what the axis to the right shows.
+    /// Draws the axes with their marks, and three texts: the title, what the y axis shows, and what the
+    /// x axis shows.
     fn new(
         area: &Area<'a>,
         [title, up, right]: [&str; 3],
@@ -124,17 +124,18 @@ impl<'a> Panel<'a> {
         (self.scales[0](x), self.scales[1](y))
     }
 
-    /// Draws a text whose start, centre or end is beside a point, at this many pixels from it.
+    /// Draws a text beside a point. `anchor` is the start, the centre or the end of the text, which is
+    /// placed `offset` pixels from the point.
     fn label(
         &self,
         at: (f64, f64),
-        beside: (i32, i32),
-        end: HPos,
+        offset: (i32, i32),
+        anchor: HPos,
         text: &str,
         color: &RGBColor,
     ) -> Result<()> {
-        let style = font(13, color).pos(Pos::new(end, VPos::Center));
-        let text = Text::new(text.to_string(), beside, style);
+        let style = font(13, color).pos(Pos::new(anchor, VPos::Center));
+        let text = Text::new(text.to_string(), offset, style);
         Ok(self.plane.draw(&(EmptyElement::at(self.scaled(at)) + text))?)
     }
 
@@ -156,9 +157,10 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
     let named = |start: &str| -> Vec<_> {
         dots.iter().filter(|dot| dot.0.starts_with(start)).map(|dot| dot.1).collect()
     };
+    // The first of the names that begin with "classic x1" is this itself.
     let [exact, classic, written] = ["exact", "classic x1", "donut.c"].map(|name| named(name)[0]);
     let title = "Exact is the fastest method without a wrong cell";
-    let up = "wrong cells, in % of the donut's (cube-root scale)";
+    let up = "wrong cells, as % of the donut's cells (cube-root scale)";
     let right = "time of a frame in µs, at 80x22 (logarithmic scale)";
     let times = [10.0, 30.0, 100.0, 300.0, 1000.0];
     let x = Axis {
@@ -210,6 +212,7 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
         }
         panel.label(closed[1], (9, 1), Left, "closed form", &PURPLE)?;
 
+        // An arrow towards less time and fewer wrong cells.
         let [tail, head] = [(9.3, 0.25), (6.0, 0.02)];
         panel.line(&[tail, head], GREY.stroke_width(2))?;
         panel.line(&[(6.1, 0.06), head, (7.6, 0.025)], GREY.stroke_width(2))?;
