@@ -149,10 +149,10 @@ struct Options {
     b: f64,
     /// How to draw
     ///
-    /// Classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5. As in donut.c,
-    /// its angles lose precision with time. With the default --spin, too
-    /// little is left after 31 hours at 30 frames a second. Then auto switches
-    /// to exact, and the donut's outline gets thinner.
+    /// Classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5. As in
+    /// donut.c, its angles lose precision with time. With the default --spin,
+    /// too little is left after 31 hours at 30 frames a second. Then auto
+    /// switches to exact, and the donut's outline gets thinner.
     #[arg(long, value_enum, default_value_t, hide_default_value = true, verbatim_doc_comment)]
     method: MethodOption,
     /// Colour: a name, 0 to 255, or '#rrggbb'
@@ -211,7 +211,7 @@ enum MethodOption {
     Auto,
     /// As donut.c does: plot many points, and let the nearest win
     Classic,
-    /// Follow a ray through each cell's centre: accurate at any size
+    /// Follow a ray through the centre of each cell
     Exact,
 }
 
