@@ -1217,11 +1217,15 @@ impl Console {
     }
 
     fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
+        #[cfg(unix)]
+        let start = Instant::now();
         while !bytes.is_empty() {
             match (&self.stdout).write(bytes) {
                 Ok(count) => bytes = &bytes[count..],
                 #[cfg(unix)]
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => self.wait_for_room()?,
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                    self.wait_for_room(start)?
+                }
                 Err(error) => return Err(error),
             }
         }
@@ -1340,25 +1344,28 @@ impl Console {
     }
 
     /// Waits until standard output takes more bytes, but no longer than POLL_INTERVAL. Then `write`
-    /// tries again.
+    /// tries again. `start` is when it began to write.
     ///
     /// A terminal that has stopped reading may never take another byte. So if a signal is to end the
-    /// program, this function does not wait. It returns an error, which ends the loop. Before that, it
-    /// discards the output that is still unread, to make room for what `leave` writes.
-    fn wait_for_room(&self) -> io::Result<()> {
-        if self.end_signal.load(SeqCst) == 0 {
-            is_ready(&self.stdout, POLLOUT, POLL_INTERVAL);
-            return Ok(());
+    /// program, this function makes room: it discards the output that is still unread. If `write` has
+    /// taken longer than POLL_INTERVAL all the same, this function returns an error. After a frame, the
+    /// error ends the loop, and there is a new attempt when `leave` writes.
+    fn wait_for_room(&self, start: Instant) -> io::Result<()> {
+        if self.end_signal.load(SeqCst) != 0 {
+            if start.elapsed() >= POLL_INTERVAL {
+                return Err(io::ErrorKind::WouldBlock.into());
+            }
+            // In the background, each of these calls would stop the program.
+            if self.is_in_foreground() {
+                let _ = termios::tcflush(&self.stdout, QueueSelector::OFlush);
+                // If Ctrl-S has stopped the output, OOn has no effect unless OOff stops the output once
+                // more.
+                let _ = termios::tcflow(&self.stdout, Action::OOff);
+                let _ = termios::tcflow(&self.stdout, Action::OOn);
+            }
         }
-        // In the background, each of these calls would stop the program.
-        if self.is_in_foreground() {
-            let _ = termios::tcflush(&self.stdout, QueueSelector::OFlush);
-            // If Ctrl-S has stopped the output, OOn has no effect unless OOff stops the output once
-            // more.
-            let _ = termios::tcflow(&self.stdout, Action::OOff);
-            let _ = termios::tcflow(&self.stdout, Action::OOn);
-        }
-        Err(io::ErrorKind::WouldBlock.into())
+        is_ready(&self.stdout, POLLOUT, POLL_INTERVAL);
+        Ok(())
     }
 }
 

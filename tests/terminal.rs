@@ -8,8 +8,9 @@
 mod pty;
 
 use std::fs::File;
+use std::io::Write;
 use std::process::Command;
-use std::thread::sleep;
+use std::thread::{sleep, spawn};
 use std::time::{Duration, Instant};
 
 use pty::Pty;
@@ -794,9 +795,10 @@ fn on_a_terminal_that_reads_nothing_signals_end_it_and_restore() {
 
 #[test]
 fn where_somebody_has_stopped_the_output_a_signal_ends_it_and_restores() {
-    // Output that a program has stopped and output that a key has stopped go on in different ways.
-    for by_key in [false, true] {
-        let mut pty = donut(&["--fps=0"], (80, 24));
+    // Output that a program has stopped and output that a key has stopped go on in different ways. And
+    // the signal may come in the middle of a frame, or long after a whole one.
+    for (by_key, fps) in [(false, "0"), (true, "0"), (false, "0.01"), (true, "0.01")] {
+        let mut pty = donut(&["--fps", fps], (80, 24));
         pty.wait_for("a frame", |pty| frames(pty) > 0);
         let terminal = File::open(pty.path()).unwrap();
         if by_key {
@@ -814,6 +816,27 @@ fn where_somebody_has_stopped_the_output_a_signal_ends_it_and_restores() {
         assert_eq!(frames(&pty), now);
         pty.signal("TERM");
         assert_eq!(pty.exit(), 143);
+        pty.assert_restored();
+    }
+}
+
+#[test]
+fn a_signal_restores_the_terminal_even_while_another_program_writes_there() {
+    for _ in 0..5 {
+        let mut pty = still_donut((80, 24));
+        let mut terminal = File::options().write(true).open(pty.path()).unwrap();
+        // Linux lets only one program write at a time, and a write that does not block then fails.
+        let end = Instant::now() + Duration::from_millis(500);
+        let writer = spawn(move || {
+            while Instant::now() < end {
+                terminal.write_all(b"\0").unwrap();
+            }
+        });
+        sleep(Duration::from_millis(20));
+        pty.signal("TERM");
+        assert_eq!(pty.exit_code(), 143);
+        pty.wait_for("the end", |pty| !pty.screen(|screen| screen.alternate_screen()));
+        writer.join().unwrap();
         pty.assert_restored();
     }
 }
