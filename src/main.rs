@@ -768,7 +768,7 @@ fn floor(value: f32) -> u32 {
 
 /// How many rays are solved side by side. The compiler turns a loop over them into vector instructions,
 /// and while one ray waits for a division, others go on.
-const LANES: usize = 16;
+const LANES: usize = 8;
 /// One number for each of these rays.
 type Lanes = [f64; LANES];
 /// The s of a ray that misses (see `Torus`).
