@@ -36,7 +36,7 @@
 //! distance of the screen, is measured in cells: it is 30 columns or 15 rows, because a cell is twice as
 //! tall as it is wide.
 //!
-//! **Samples.** donut.c knows the surface by its samples. The angle theta goes round the tube in steps
+//! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps
 //! of 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one
 //! sample: a point of the surface, and the normal there, which is the direction that the surface faces.
 //! The point is at the distance h from the axis, and at the distance f from the plane of the ring:
@@ -114,10 +114,10 @@ use {
 
 /// A spinning ASCII donut: donut.c at 80x22, ray-traced at any other size
 ///
-/// On a terminal the donut fills the window and spins until you press q. In a
-/// pipe or a file it writes what donut.c writes, escape codes included. The
-/// size is then 80x22 unless you set another, and the donut spins until you
-/// press Ctrl-C, or for as many frames as --frames says.
+/// On a terminal the donut fills the window and spins until you press q. If the
+/// output goes to a pipe or a file, it is what donut.c writes, escape codes
+/// included. The size is then 80x22 unless you set another, and the donut spins
+/// until you press Ctrl-C, or for as many frames as --frames says.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`.
@@ -150,9 +150,9 @@ struct Options {
     /// How to draw
     ///
     /// Classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5. As in
-    /// donut.c, its angles lose precision with time. With the default --spin,
-    /// too little is left after 31 hours at 30 frames a second. Then auto
-    /// switches to exact, and the donut's outline gets thinner.
+    /// donut.c, its angles lose precision with time. With the default
+    /// --spin, too little is left after 31 hours at 30 frames a second. Then
+    /// auto switches to exact, and the donut's outline gets thinner.
     #[arg(long, value_enum, default_value_t, hide_default_value = true, verbatim_doc_comment)]
     method: MethodOption,
     /// Colour: a name, 0 to 255, or '#rrggbb'
@@ -164,13 +164,13 @@ struct Options {
     color: Option<Color>,
     /// Columns [default: all, or 80 in a pipe]
     ///
-    /// From 1 to 4096. A terminal clips this to its columns. donut.c writes a
-    /// newline in place of the first column, so one column stays empty.
+    /// From 1 to 4096, but on a terminal no more than its columns. donut.c
+    /// writes a newline in place of the first column, so that stays empty.
     #[arg(long, value_name = "COLS", value_parser = within(SIZES), verbatim_doc_comment)]
     width: Option<u16>,
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
-    /// From 1 to 4096. A terminal clips this to its rows minus 2.
+    /// From 1 to 4096, but on a terminal no more than its rows minus 2.
     #[arg(long, value_name = "ROWS", value_parser = within(SIZES))]
     height: Option<u16>,
     /// Height of a cell divided by its width
@@ -274,7 +274,7 @@ fn parse_color(text: &str) -> Result<Color, String> {
 const RING_RATIOS: RangeInclusive<f64> = 1.001..=30.0;
 /// The least K2 / (R1 + R2). At this distance, a donut that is seen edge-on already fills 175 degrees of
 /// the view.
-const LEAST_DISTANCE: f64 = 1.001;
+const LEAST_DISTANCE_RATIO: f64 = 1.001;
 
 /// Undoes the rounding of a product or quotient of two lengths, where the exact value is evident.
 ///
@@ -299,9 +299,9 @@ impl Options {
         if !RING_RATIOS.contains(&self.proportions().0) {
             let [from, to] = [least, most].map(|ratio| unrounded(ratio * r1));
             Some(format!("--r2 is {r2}, but must be {from} to {to}: {least} to {most} times --r1"))
-        } else if unrounded(k2 / (r1 + r2)) < LEAST_DISTANCE {
-            let from = unrounded(LEAST_DISTANCE * (r1 + r2));
-            let rule = format!("{LEAST_DISTANCE} times the sum of --r1 and --r2");
+        } else if unrounded(k2 / (r1 + r2)) < LEAST_DISTANCE_RATIO {
+            let from = unrounded(LEAST_DISTANCE_RATIO * (r1 + r2));
+            let rule = format!("{LEAST_DISTANCE_RATIO} times the sum of --r1 and --r2");
             Some(format!("--k2 is {k2}, but must be at least {from}: {rule}"))
         } else if self.method == MethodOption::Classic && self.proportions() != (2.0, 5.0) {
             let rule = "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5";
@@ -402,7 +402,8 @@ impl Animation<'_> {
                 break;
             }
             #[cfg(unix)] // Windows has no job control.
-            if !console.check_foreground()? {
+            if !console.obey_job_control()? {
+                // In the background, the program only waits.
                 thread::sleep(POLL_INTERVAL);
                 continue;
             }
@@ -531,7 +532,7 @@ impl Clock {
 
 /// The donut's proportions, the size of the picture, and how the donut is projected onto the picture.
 ///
-/// The proportions are in units of the tube's radius, so that R1 is 1. Places on the screen are counted
+/// The proportions are in units of the tube's radius, so that R1 is 1. Places on the screen are measured
 /// in cells: cell (c, r), in column c and row r, reaches from c to c + 1 across and from r to r + 1
 /// down. The point (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)`, `y = cy + k1y Y / (Z + K2)`.
 ///
@@ -565,7 +566,8 @@ impl View {
         }
         let (w, h) = (width as f64, height as f64);
         let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / apparent_radius(r2, k2);
-        // Column 0 and row 0 stay empty, so the middle is half a cell further.
+        // Column 0 and row 0 stay empty, so the middle of the other cells is half a cell further right,
+        // and half a cell further down.
         let (cx, cy) = ((w + 1.0) / 2.0, (h + 1.0) / 2.0);
         View { r2, k2, width, height, cx, cy, k1x, k1y: k1x / aspect }
     }
@@ -649,8 +651,8 @@ impl Renderer {
         let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] =
             self.tables.get_or_insert_with(|| angle_steps(&self.view).map(trig_table));
         // donut.c's loop over phi is three loops here. The compiler vectorises the first two, which it
-        // would not do with a single one. The slices tell it that the tables have one length, so that
-        // these loops need no bounds checks.
+        // would not do with a single one. The slices tell it that the tables are equally long, so
+        // that these loops need no bounds checks.
         let count = sin_phis.len();
         let (sin_phis, cos_phis) = (&sin_phis[..count], &cos_phis[..count]);
         let (mut ooz, mut x, mut y) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
@@ -697,14 +699,14 @@ impl Renderer {
     /// `exact`: a cell shows what the ray through its centre hits first.
     fn trace(&mut self, a: f64, b: f64) {
         let View { r2, k2, width, cx, cy, k1x, k1y, .. } = self.view;
-        let (torus, edge) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
+        let (torus, radius) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
         for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
             let dy = (row as f64 + 0.5 - cy) / k1y;
-            // The donut stays in a sphere, which appears as a circle. Only the cells of a row that are in
-            // the circle can show the donut. The circle begins right of column 0, or at its right edge.
-            // There, rounding may put column 0 among the cells, but its ray passes the sphere by half a
-            // cell, and misses.
-            let half_width = (edge * edge - dy * dy).max(0.0).sqrt() * k1x;
+            // The donut stays in a sphere, which appears as a circle. Only the cells of a row that are
+            // in the circle can show the donut. If the circle reaches as far as the right edge of column
+            // 0, rounding may make the loop begin with column 0. This does no harm: the ray through the
+            // centre of that cell is half a cell outside the circle, so it misses.
+            let half_width = (radius * radius - dy * dy).max(0.0).sqrt() * k1x;
             let end = width.min((cx + half_width) as usize + 1);
             for column in ((cx - half_width) as usize..end).step_by(LANES) {
                 let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
@@ -725,8 +727,8 @@ impl Renderer {
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart. In a larger
-/// picture the same steps would leave gaps. So both steps shrink by as much as the scale K1 grows,
-/// across or, where cells are wider than tall, down.
+/// picture the same steps would leave gaps. So both steps shrink by as much as the scale K1 grows.
+/// K1 is k1x across and k1y down, and the larger of the two counts.
 fn angle_steps(view: &View) -> [f64; 2] {
     let shrink = f64::min(1.0, View::DONUT_C.k1x / view.k1x.max(view.k1y));
     [0.07 * shrink, 0.02 * shrink]
@@ -766,23 +768,23 @@ fn floor(value: f32) -> u32 {
 
 // ---- exact: rays and a torus ---------------------------------------------------------------------
 
-/// How many rays are solved side by side. The compiler turns a loop over them into vector instructions,
-/// and while one ray waits for a division, others go on.
+/// For how many rays the equation is solved side by side. The compiler turns a loop over them into
+/// vector instructions, and while one ray waits for a division, others go on.
 const LANES: usize = 8;
 /// One number for each of these rays.
 type Lanes = [f64; LANES];
 /// The s of a ray that misses (see `Torus`).
 const MISS: f64 = f64::INFINITY;
-/// A search has arrived when its next step is no longer than this, in units of R1.
+/// A search for a hit has arrived when its next step is no longer than this, in units of R1.
 ///
-/// The steps of Newton's method soon become tiny: once they are short, the next error is about the
-/// square of this one. So after a last step of 1e-8, hardly more than rounding is left. Where the ray
-/// only grazes the donut, the method is slower, and each step only halves the error. But there the
-/// surface runs along the ray: 1e-8 further on, it is still closer to the ray than f64 can tell.
+/// Newton's method is fast: once the error is small, each step leaves about its square. So after a step
+/// of 1e-8, little more than rounding is left. Only where the ray grazes the donut, each step just
+/// halves the error, and an error of about 1e-8 may be left. This does no harm. There the ray runs along
+/// the surface, and 1e-8 further on, its distance from the surface is still the same to within rounding.
 const LAST_STEP: f64 = 1e-8;
-/// Added to each luminance, too little to be seen. In symmetric poses, 8 L may be exactly a whole
-/// number, which rounding puts on either side. With this added, all machines choose the brighter of the
-/// two glyphs.
+/// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be
+/// exactly a whole number, and the computed one is then just below it or just above it. With this added,
+/// all machines choose the brighter of the two glyphs.
 const TIE_BIAS: f64 = 1e-12;
 
 /// The donut of one frame.
@@ -804,8 +806,8 @@ const TIE_BIAS: f64 = 1e-12;
 /// G(s) = s^4 + p s^2 + q s + r = 0                 left minus right, along the ray
 /// ```
 ///
-/// G is positive outside the donut, and negative inside. Because s counts from P0, there is no cubic
-/// term, and the coefficients stay small however far away the viewer is.
+/// G is positive outside the donut, and negative inside. Because s is measured from P0, there is no
+/// cubic term, and the coefficients stay small however far away the viewer is.
 ///
 /// In two kinds of cell, f64 has too few digits to decide between two glyphs, or between a glyph and a
 /// blank. Such a cell is a tie, and may show either:
@@ -837,15 +839,16 @@ impl Torus {
     /// The ray from the viewer at (0, 0, -K2) in the direction (dx, dy, 1).
     fn ray(&self, dx: f64, dy: f64, k2: f64) -> Ray {
         let [x, y, z] = self.axis;
-        // U is (dx, dy, 1) times cos, P0 is (dx, dy, -tan2) times depth, and k2 = depth (1 + tan2).
-        let tan2 = dx * dx + dy * dy;
-        let cos = 1.0 / (1.0 + tan2).sqrt();
+        // Let alpha be the angle between the ray and the z axis. Then U is (dx, dy, 1) times cos alpha.
+        // P0 is (dx, dy, -tan^2 alpha) times `depth`, its distance from the viewer along the z axis.
+        let tan_squared = dx * dx + dy * dy;
+        let cos = 1.0 / (1.0 + tan_squared).sqrt();
         let depth = k2 * cos * cos;
         Ray {
-            d0: k2 * depth * tan2,
-            f0: depth * (dx * x + dy * y - tan2 * z),
+            d0: k2 * depth * tan_squared,
+            f0: depth * (dx * x + dy * y - tan_squared * z),
             fu: cos * (dx * x + dy * y + z),
-            l0: depth * (tan2 - dy),
+            l0: depth * (tan_squared - dy),
             lu: -cos * (dy + 1.0),
         }
     }
@@ -870,8 +873,8 @@ impl Torus {
     }
 
     /// The s of each ray's first hit. The viewer is outside the donut, so a ray hits where its G first
-    /// falls to 0. In the drawing that is a. Without the left valley, or with one that is not deep
-    /// enough, it is c. If no valley is deep enough, the ray misses.
+    /// falls to 0. In the drawing, this is at `a`. If there is no left valley, or if it is not deep
+    /// enough, the hit is at `c`. If no valley is deep enough, the ray misses.
     /// ```text
     ///  G  \           .---.           /
     ///      \        .'     '.        /     -w and w are the inflections of G: it bends down between
@@ -884,60 +887,62 @@ impl Torus {
     /// Where G bends up, it lies above its tangents, so a step that starts where G is positive never
     /// passes a root. Where G bends down, the same holds for a step that starts where G is negative.
     ///
-    /// 1. A search that starts left of -w climbs, to the right, towards a. If there is no a, it comes
-    ///    to a dead end: a place where G rises, or a step that leads to -w or past it. The search then
-    ///    starts again, at w.
-    /// 2. If G is positive at w, the search climbs on from there towards c. If there is no c, it comes
-    ///    to where G rises, and stays there: the ray misses.
-    /// 3. If G is negative at w, c is between -w and w. The search sinks from w, to the left, towards c.
+    /// 1. If the ray enters left of -w, the search starts there and moves right, towards `a`. If there
+    ///    is no `a`, it comes to a dead end: a place where G rises, or a step that leads to -w or past
+    ///    it. The search then starts again, at w. A ray that enters further right is searched from w.
+    /// 2. If G is positive at w, the search moves on to the right, towards `c`. If there is no `c`, it
+    ///    comes to where G rises, and stays there: the ray misses.
+    /// 3. If G is negative at w, `c` is between -w and w, and the search moves left, towards `c`.
     ///
-    /// A search that climbs never steps to the left, and one that sinks never steps to the right. Where
-    /// a step would lead the wrong way, the search stays. Either G rises there, as in case 2, or the
-    /// search is so close to the root that rounding decides the direction, and it has arrived. This is
-    /// why no search goes on for ever: each pass of a loop moves one in its own direction by more than
-    /// `LAST_STEP`, or lets one start again, which each does once at most, or is the last.
+    /// A search that moves right takes no step to the left, and one that moves left takes no step to the
+    /// right. Where a step would lead the wrong way, the search stays. Either G rises there, as in case
+    /// 2, or the search is so close to the root that rounding decides the direction, and it has arrived.
     ///
-    /// A ray that arrives early still takes part in the passes that the others need. This moves its hit
-    /// within rounding, and may lose a hit that only grazes.
+    /// Both loops end. In each pass but the last, some search moves by more than `LAST_STEP` in its one
+    /// direction, or starts again at w. Each search starts again once at most.
+    ///
+    /// A ray that arrives early still takes part in the passes that the other rays need. These passes
+    /// change its hit by no more than rounding. But a hit that only grazes may become a miss.
     fn first_hits(&self, rays: &[Ray; LANES]) -> Lanes {
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; LANES]; 5];
         for (i, ray) in rays.iter().enumerate() {
             [p[i], q[i], r[i]] = self.quartic(ray);
             w[i] = (p[i] * (-1.0 / 6.0)).max(0.0).sqrt();
-            // A ray that enters right of -w cannot hit at a.
+            // A ray that enters right of -w cannot hit at `a`.
             let entry = self.entry(ray);
             s[i] = if entry < -w[i] { entry } else { w[i] };
         }
         // Cases 1 and 2. The compiler vectorises this loop, because `|`, `&` and an `if` that only
         // chooses between two values need no branches.
-        let mut climbing = true;
-        while climbing {
-            climbing = false;
+        let mut moving_right = true;
+        while moving_right {
+            moving_right = false;
             for i in 0..LANES {
                 let (next, slope) = newton([p[i], q[i], r[i]], s[i]);
                 let dead_end = (s[i] < -w[i]) & ((slope >= 0.0) | (next >= -w[i]));
-                let higher = larger(next, s[i]);
-                climbing |= dead_end | (higher - s[i] > LAST_STEP);
-                s[i] = if dead_end { w[i] } else { higher };
+                let next = larger(next, s[i]);
+                moving_right |= dead_end | (next - s[i] > LAST_STEP);
+                s[i] = if dead_end { w[i] } else { next };
             }
         }
-        // A search that could not leave w is case 3, if G falls there. It may sink as far as -w, and the
-        // others stay where they are.
-        let (mut lowest, mut sinking) = (s, false);
+        // A search that is still at w, although G falls there, is case 3: if G were positive at w, a
+        // step would have led to the right. It may move left as far as -w. All other searches have
+        // ended, and stay where they are.
+        let (mut left_end, mut moving_left) = (s, false);
         for i in 0..LANES {
             let (_, slope) = newton([p[i], q[i], r[i]], s[i]);
-            let sinks = (s[i] == w[i]) & (slope < 0.0);
+            let goes_left = (s[i] == w[i]) & (slope < 0.0);
             let misses = (s[i] >= w[i]) & (slope >= 0.0);
             s[i] = if misses { MISS } else { s[i] };
-            lowest[i] = if sinks { -w[i] } else { s[i] };
-            sinking |= sinks;
+            left_end[i] = if goes_left { -w[i] } else { s[i] };
+            moving_left |= goes_left;
         }
-        while sinking {
-            sinking = false;
+        while moving_left {
+            moving_left = false;
             for i in 0..LANES {
                 let (next, _) = newton([p[i], q[i], r[i]], s[i]);
-                let next = larger(next, lowest[i]);
-                sinking |= s[i] - next > LAST_STEP;
+                let next = larger(next, left_end[i]);
+                moving_left |= s[i] - next > LAST_STEP;
                 s[i] = if next < s[i] { next } else { s[i] };
             }
         }
@@ -963,8 +968,8 @@ fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
     (s - (((ss + p) * s + q) * s + r) / slope, slope)
 }
 
-/// The larger of two numbers, or `b` if `a` is NaN. A processor has one instruction for this, but takes
-/// several for `f64::max`, which minds NaN in `b` as well.
+/// The larger of two numbers, or `b` if `a` is NaN. A processor has one instruction for this. `f64::max`
+/// takes several, because it also has to handle NaN in `b`.
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
@@ -1037,14 +1042,14 @@ impl Escapes {
 
 /// Standard output and, if that is a terminal, the state that a guest on a terminal needs.
 ///
-/// The picture is on the terminal of standard output. The keys come from the terminal that the program
-/// was started from, whatever standard input is. The two terminals are the same, except in cases such as
-/// `donut > /dev/tty2`.
+/// The picture is on the terminal of standard output. The keys come from the *controlling terminal*,
+/// which is the one that the program was started from, whatever standard input is. The two terminals are
+/// the same, except in cases such as `donut > /dev/tty2`.
 ///
 /// The program enters the terminal before it draws. In all these cases, the program leaves the terminal:
 /// - The last frame is drawn, or somebody presses q or Esc.
-/// - A signal is to end the program.
-/// - Ctrl-Z is to stop the program.
+/// - A signal asks the program to end.
+/// - Ctrl-Z asks the program to stop.
 /// - The program was stopped and goes on. It leaves the terminal only to enter it anew, because
 ///   another program may have changed the screen or the settings.
 /// - The program finds itself in the background.
@@ -1066,7 +1071,8 @@ struct Console {
     tty: Option<File>,
     /// Whether the program has entered the terminal and not left it since.
     is_entered: AtomicBool,
-    /// The number of the signal that is to end the program, or 0. The handlers of these signals set it.
+    /// The number of the signal that asks the program to end, or 0. The handlers of these signals set
+    /// it.
     end_signal: Arc<AtomicUsize>,
     /// Whether the program was stopped and continued since the loop last looked. SIGCONT's handler sets
     /// it.
@@ -1108,7 +1114,7 @@ impl Console {
             settings: Mutex::default(),
         });
         if is_terminal && !is_dumb {
-            console.guard()?;
+            console.install_handlers()?;
         }
         Ok(console)
     }
@@ -1117,7 +1123,7 @@ impl Console {
     ///
     /// A signal's handler only stores its number. Then the loop ends, and `run` does what has to be
     /// done.
-    fn guard(self: &Arc<Console>) -> io::Result<()> {
+    fn install_handlers(self: &Arc<Console>) -> io::Result<()> {
         let (console, previous_hook) = (self.clone(), panic::take_hook());
         panic::set_hook(Box::new(move |info| {
             let _ = console.leave();
@@ -1249,7 +1255,7 @@ impl Console {
     fn wait(&self, time: Duration) -> io::Result<bool> {
         match &self.tty {
             #[cfg(unix)]
-            Some(tty) if self.is_entered.load(SeqCst) => Ok(is_ready(tty, POLLIN, time)),
+            Some(tty) if self.is_entered.load(SeqCst) => Ok(wait_until_ready(tty, POLLIN, time)),
             #[cfg(windows)]
             Some(_) => event::poll(time),
             _ => {
@@ -1280,14 +1286,14 @@ impl Console {
     ///
     /// An arrow key, for one, sends a code: an ESC and more bytes. When an earlier program has asked the
     /// terminal something, the answer may still come, and it is such a code as well. A code may arrive
-    /// in pieces. So everything that arrives from an ESC on, within ESCAPE_TIME, is dropped as part of a
-    /// code. The Esc key sends an ESC alone, or some of them if it is held down.
+    /// in pieces. So an ESC is dropped together with everything that follows it within ESCAPE_TIME. An
+    /// ESC alone is the Esc key, and so are several of them, if the key is held down.
     fn keys(&self) -> io::Result<Vec<u8>> {
         let mut tty = match &self.tty {
             Some(tty) if self.wait(Duration::ZERO)? => tty,
             _ => return Ok(Vec::new()),
         };
-        let mut bytes = [0; 4096]; // A terminal holds no more for one read.
+        let mut bytes = [0; 4096]; // On Linux, one read from a terminal returns no more.
         let mut keys = match tty.read(&mut bytes)? {
             0 => return Err(Errno::IO.into()), // The terminal is gone.
             count => bytes[..count].to_vec(),
@@ -1308,9 +1314,9 @@ impl Console {
 
     /// Whether the program is in the foreground.
     ///
-    /// There is no answer if there is no terminal for the keys, if it is not the terminal of a shell's
-    /// jobs, if the job in the foreground is outside of this container, or if the terminal is gone. In
-    /// these cases no other job is known to use it, so this says yes.
+    /// There is no answer if there is no terminal for the keys, if it is not the controlling terminal,
+    /// if the job in the foreground is outside of this container, or if the terminal is gone. In these
+    /// cases no other job is known to use the terminal, so this function returns true.
     fn is_in_foreground(&self) -> bool {
         let foreground = self.tty.as_ref().map(termios::tcgetpgrp);
         foreground.is_none_or(|group| group.is_err() || group == Ok(getpgrp()))
@@ -1318,7 +1324,7 @@ impl Console {
 
     /// Whether the program is in the foreground. If it is not, or if it was stopped since the last call,
     /// this leaves the terminal. Then the loop will enter the terminal anew.
-    fn check_foreground(&self) -> io::Result<bool> {
+    fn obey_job_control(&self) -> io::Result<bool> {
         let is_in_foreground = self.is_in_foreground();
         if self.was_continued.swap(false, SeqCst) || !is_in_foreground {
             self.leave()?;
@@ -1346,10 +1352,10 @@ impl Console {
     /// Waits until standard output takes more bytes, but no longer than POLL_INTERVAL. Then `write`
     /// tries again. `start` is when it began to write.
     ///
-    /// A terminal that has stopped reading may never take another byte. So if a signal is to end the
-    /// program, this function makes room: it discards the output that is still unread. If `write` has
-    /// taken longer than POLL_INTERVAL all the same, this function returns an error. After a frame, the
-    /// error ends the loop, and there is a new attempt when `leave` writes.
+    /// A terminal whose window hangs may never take another byte. So if a signal asks the program to
+    /// end, this function makes room: it discards the output that the terminal has not read yet. If
+    /// `write` has taken longer than POLL_INTERVAL all the same, this function returns an error. If a
+    /// frame was to be written, the error ends the loop, and `leave` then tries again to make room.
     fn wait_for_room(&self, start: Instant) -> io::Result<()> {
         if self.end_signal.load(SeqCst) != 0 {
             if start.elapsed() >= POLL_INTERVAL {
@@ -1364,14 +1370,14 @@ impl Console {
                 let _ = termios::tcflow(&self.stdout, Action::OOn);
             }
         }
-        is_ready(&self.stdout, POLLOUT, POLL_INTERVAL);
+        wait_until_ready(&self.stdout, POLLOUT, POLL_INTERVAL);
         Ok(())
     }
 }
 
 /// Waits until the file can be read from (POLLIN) or written to (POLLOUT), or until the time is up.
 #[cfg(unix)]
-fn is_ready(file: &File, events: i16, time: Duration) -> bool {
+fn wait_until_ready(file: &File, events: i16, time: Duration) -> bool {
     let mut files = [pollfd { fd: file.as_raw_fd(), events, revents: 0 }];
     // `poll` truncates the time to whole milliseconds, so this rounds it up. A signal ends `poll` with
     // an error.
@@ -1385,15 +1391,15 @@ const NO_KEY: u8 = if cfg!(any(target_os = "linux", target_os = "android")) { 0 
 
 /// Standard output, without a buffer.
 ///
-/// A write to a terminal that has stopped reading would block, and a signal could not end the program.
-/// So the terminal is opened once more, in a way that writes do not block. This way belongs to the new
-/// open file, so it makes no difference to other programs that use standard output.
+/// A terminal whose window hangs takes no more bytes. There a write would block, and a signal could not
+/// end the program. So the terminal is opened once more, in nonblocking mode. The mode applies only to
+/// the new open file, so it makes no difference to other programs that use standard output.
 #[cfg(unix)]
 fn open_stdout(is_terminal: bool) -> io::Result<File> {
     let stdout = io::stdout();
     if is_terminal {
         let path = match termios::tcgetpgrp(&stdout) {
-            // It is not the terminal that the program was started from.
+            // Standard output is not the controlling terminal.
             Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new())?,
             // Under this name, everybody may open the terminal, even after `su`.
             _ => c"/dev/tty".into(),
@@ -1406,7 +1412,7 @@ fn open_stdout(is_terminal: bool) -> io::Result<File> {
     Ok(stdout.as_fd().try_clone_to_owned()?.into())
 }
 
-/// The terminal that the program was started from, whatever standard input is.
+/// Opens the controlling terminal, whatever standard input is.
 fn open_tty() -> Option<File> {
     let tty = File::open(if cfg!(windows) { "CONIN$" } else { "/dev/tty" }).ok();
     // Under `su -c donut`, the program may be in a session that has no terminal of its own.

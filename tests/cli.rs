@@ -226,7 +226,7 @@ fn lengths_are_accepted_up_to_the_ends_of_their_ranges_and_ratios() {
 }
 
 #[test]
-fn donut_cs_donut_in_other_units_is_still_donut_cs_picture() {
+fn the_donut_of_donut_c_in_other_units_is_still_drawn_as_by_donut_c() {
     let own = output_of(&["--frames=2", "--fps=0"]);
     // In floating point, 0.35 / 0.07 is a little less than 5.
     for [r1, r2, k2] in [["20", "40", "100"], ["0.07", "0.14", "0.35"], ["0.23", "0.46", "1.15"]] {

@@ -1,5 +1,5 @@
 //! Pictures, compared byte for byte: with frames recorded from donut.c itself, and, at other sizes
-//! and in the method exact, with frames that this program has drawn before.
+//! and with exact, with frames that this program has drawn before.
 
 use std::fs;
 use std::process::Command;
@@ -86,7 +86,7 @@ fn the_first_300_frames_of_exact_have_the_stored_hash_in_every_build() {
 }
 
 #[test]
-fn auto_is_classic_at_donut_cs_size_and_exact_elsewhere() {
+fn auto_is_classic_at_the_size_of_donut_c_and_exact_elsewhere() {
     let size = ["--width=120", "--height=36", "--frames=20", "--fps=0"];
     let exact = [&size[..], &["--method=exact"]].concat();
     assert!(donut(&size) == donut(&exact));

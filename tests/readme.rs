@@ -98,7 +98,7 @@ fn two_methods() -> String {
     let pose = "--width=40 --height=17 -A=0.35 -B=0.5 --frames=1 --method";
     let [classic, exact] =
         ["classic", "exact"].map(|method| frames(&format!("{pose}={method}")).remove(0));
-    let title = "A donut in the method classic, and the same donut in the method exact";
+    let title = "A donut drawn by classic, and the same donut drawn by exact";
     // There is a margin of one cell all round, two cells are between the pictures, and the names of the
     // methods have a row of their own.
     let right = 1.0 + COLUMNS.len() as f64 + 2.0;
@@ -151,7 +151,7 @@ fn measured(method: &str, size: &str, title: &str) -> f64 {
     line.unwrap().split(',').nth(column.unwrap()).unwrap().parse().unwrap()
 }
 
-/// How many times as long a frame of the slow method takes as one of the fast method, at 80x22.
+/// How many times as fast as the method `slow` the method `fast` is, at 80x22.
 fn times_as_fast(fast: &str, slow: &str) -> f64 {
     let [fast, slow] = [fast, slow].map(|name| measured(name, "80x22", "us per frame (median)"));
     slow / fast

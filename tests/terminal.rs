@@ -548,7 +548,7 @@ fn a_signal_that_comes_with_a_ctrl_z_ends_it() {
 }
 
 #[test]
-fn ctrl_z_does_nothing_where_no_shell_could_say_fg() {
+fn ctrl_z_does_nothing_where_no_shell_could_continue_it() {
     let command = format!("{DONUT}; exit $?");
     for (program, arguments) in [(DONUT, &[][..]), ("sh", &["-c", &command])] {
         let mut pty = Pty::run(program, arguments, (80, 24), "xterm");
@@ -890,7 +890,7 @@ fn a_signal_ends_it_on_a_terminal_that_is_not_its_own_and_reads_nothing() {
 fn keys_and_signals_are_obeyed_on_a_terminal_that_reads_slowly() {
     let ends: [fn(&mut Pty); 2] = [|pty| pty.type_bytes(b"q"), |pty| pty.signal("TERM")];
     for (end, code) in ends.into_iter().zip([0, 143]) {
-        // The terminal reads 5 kB a second, and a frame has 1.8 kB.
+        // The terminal reads 5 kB a second, and a frame is 1.8 kB long.
         let mut pty = Pty::run_unread(DONUT, &[], (80, 24), "xterm");
         pty.read(200, Duration::from_millis(40));
         pty.wait_for("two frames", |pty| frames(pty) > 1);
@@ -903,7 +903,7 @@ fn keys_and_signals_are_obeyed_on_a_terminal_that_reads_slowly() {
 
 #[test]
 fn keys_and_resizes_in_the_middle_of_a_slow_frame_are_obeyed() {
-    // The terminal reads 50 kB a second, and a frame has 10 kB.
+    // The terminal reads 50 kB a second, and a frame is 10 kB long.
     let mut pty = Pty::run_unread(DONUT, &["--fps=0"], (200, 50), "xterm");
     pty.read(2000, Duration::from_millis(40));
     pty.wait_for("a frame", |pty| frames(pty) > 0);

@@ -71,7 +71,7 @@ impl Pty {
         let fd = self.master().as_raw_fd().unwrap();
         while !is_true(self) {
             let mut output = [pollfd { fd, events: POLLIN, revents: 0 }];
-            assert_eq!(poll(&mut output, Some(PATIENCE)).unwrap(), 1, "it writes no more");
+            assert_eq!(poll(&mut output, Some(PATIENCE)).unwrap(), 1, "the program writes no more");
             assert_ne!(Pty::read_once(&self.seen, &mut reader, 1000).unwrap(), 0);
         }
     }
@@ -132,7 +132,7 @@ impl Pty {
             let mut keys = keys.lock().unwrap();
             done.send(keys.write_all(&bytes).and_then(|()| keys.flush()))
         });
-        is_done.recv_timeout(PATIENCE).expect("it reads no more").unwrap();
+        is_done.recv_timeout(PATIENCE).expect("the program reads no more keys").unwrap();
     }
 
     pub fn resize(&self, size: (u16, u16)) {
@@ -225,7 +225,7 @@ impl Pty {
         String::from_utf8(self.seen.lock().unwrap().bytes.clone()).unwrap()
     }
 
-    /// Waits until something is true. `what` is its name, in case it never is.
+    /// Waits until something is true. `what` names it, in case the wait is in vain.
     #[track_caller]
     pub fn wait_for(&self, what: &str, is_true: impl Fn(&Pty) -> bool) {
         let start = Instant::now();
@@ -267,7 +267,7 @@ impl Pty {
     pub fn exit_code(&mut self) -> u32 {
         let start = Instant::now();
         while self.is_running() {
-            assert!(start.elapsed() < PATIENCE, "it goes on");
+            assert!(start.elapsed() < PATIENCE, "the program does not end");
             thread::sleep(Duration::from_millis(1));
         }
         let status = self.child.wait().unwrap();

@@ -49,7 +49,7 @@ fn the_steps_are_smaller_in_a_picture_of_many_flat_cells_as_well() {
 }
 
 #[test]
-fn products_of_the_luminance_are_multiplied_in_donut_cs_order() {
+fn products_of_the_luminance_are_multiplied_in_the_order_of_donut_c() {
     // donut.c multiplies in this order: (sin_phi * cos_theta) * cos_a. If cos_theta and cos_a were
     // multiplied first, frame 53,167 would be the first one to change. It has these angles, and the
     // glyph would be `$`.

@@ -113,7 +113,7 @@ fn auto_is_classic_if_floats_follow_the_spin_to_within_a_tenth_of_it() {
 }
 
 #[test]
-fn auto_is_exact_at_every_size_and_scene_but_donut_cs() {
+fn auto_is_exact_at_every_size_and_scene_but_those_of_donut_c() {
     let views = [
         fitted(81, 22),
         fitted(80, 23),

@@ -92,7 +92,7 @@ fn the_help_says_which_numbers_are_allowed() {
         ("aspect", range_in_words(ASPECTS)),
         ("r1", range_in_words(LENGTHS)),
         ("r2", format!("{least} to {most} times --r1")),
-        ("k2", format!("{LEAST_DISTANCE} times the sum of --r1 and --r2")),
+        ("k2", format!("{LEAST_DISTANCE_RATIO} times the sum of --r1 and --r2")),
     ] {
         let option = command.get_arguments().find(|option| option.get_id() == name).unwrap();
         let help = option.get_long_help().or(option.get_help()).unwrap().to_string();
@@ -123,8 +123,8 @@ fn the_manual_page_says_which_values_are_allowed() {
     for name in color_names() {
         assert!(colors.contains(&name), "no {name} in {colors:?}");
     }
-    // The page has the rules for options that do not fit together in the words of the program's
-    // messages.
+    // Some options are not allowed together. The page states these rules in the same words as the
+    // program's error messages.
     for (options, rule) in [
         (&["--r2=0.5"][..], "1.001 to 30 times --r1"),
         (&["--k2=1"], "at least 1.001 times the sum of --r1 and --r2"),

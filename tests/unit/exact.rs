@@ -1,7 +1,7 @@
 //! `exact`: every cell shows what the oracle sees at its centre.
 //!
 //! Most of these tests look for rays that are hard for the search in `Torus::first_hits`. Its comment
-//! says what G, w, climbing and sinking are, and has a drawing of them.
+//! says what G and w are, and has a drawing of them.
 //!
 //! A ray grazes the donut if it only just touches the surface, or only just misses it. G then has a
 //! valley whose bottom is next to 0.
@@ -28,12 +28,12 @@ const OPEN: f64 = *RING_RATIOS.end();
 /// afar.
 const SCENES: [(f64, f64); 7] = [
     (2.0, 5.0),
-    (2.0, 3.0 * LEAST_DISTANCE),
+    (2.0, 3.0 * LEAST_DISTANCE_RATIO),
     (2.0, 1e6),
     (CLOSED, 5.0),
     (1.1, 50.0),
     (OPEN, 50.0),
-    (OPEN, (1.0 + OPEN) * LEAST_DISTANCE),
+    (OPEN, (1.0 + OPEN) * LEAST_DISTANCE_RATIO),
 ];
 
 /// What `exact` sees in the direction (dx, dy, 1): 8 L, or nothing.
@@ -93,16 +93,28 @@ fn compare(view: View, poses: &[(f64, f64)]) -> Tally {
 fn cells_where_other_methods_fail_are_right() {
     // A frame of donut.c at 80x22, a cell's column and row, and the level there, if not blank.
     let cells = [
-        (0, 33, 2, None),      // inked by a splat, which any touch of the cell inks
-        (0, 33, 7, Some(3)),   // 5 with a splat, whose nearest sample is at the cell's edge
-        (0, 38, 2, Some(11)),  // blank with 16 steps of sphere tracing, which graze on
-        (6, 24, 5, None),      // inked by sphere tracing, which passes within its tolerance
-        (53, 41, 13, Some(0)), // 4 with sphere tracing, which stops on the near outline
-        (0, 36, 9, Some(0)),   // blank with 12 Newton steps on the distance, not convex in the hole
-        (38, 32, 9, Some(7)),  // 5 with Ferrari's formula in f32, nearly biquadratic
-        (39, 32, 8, Some(8)),  // 0 with Ferrari's formula polished: a bad root gets worse
-        (9, 39, 6, Some(1)),   // a hole with Ferrari's formula in f32
-        (38, 54, 19, Some(1)), // 2 with a closed form that switches at fixed thresholds
+        // classic draws something here, because some samples fall into a corner of the cell.
+        (0, 33, 2, None),
+        // classic draws 5, because its nearest sample is at the edge of the cell.
+        (0, 33, 7, Some(3)),
+        // Sphere tracing leaves a blank: the ray creeps along the surface, and 16 steps are too few.
+        (0, 38, 2, Some(11)),
+        // Sphere tracing hits, although the ray only comes closer than its tolerance.
+        (6, 24, 5, None),
+        // Sphere tracing draws 4: it stops beside the near outline, and should go on behind it.
+        (53, 41, 13, Some(0)),
+        // Newton's method on the distance leaves a blank after 12 steps: the distance is not convex
+        // in the hole.
+        (0, 36, 9, Some(0)),
+        // Ferrari's formula in f32 draws 5, because q is nearly 0.
+        (38, 32, 9, Some(7)),
+        // Ferrari's formula with a last step of Newton's method draws 0: the step makes a bad root
+        // worse.
+        (39, 32, 8, Some(8)),
+        // Ferrari's formula in f32 leaves a blank.
+        (9, 39, 6, Some(1)),
+        // A closed form that chooses between formulas at fixed thresholds draws 2.
+        (38, 54, 19, Some(1)),
     ];
     for (frame, column, row, expected) in cells {
         let pose = [0.04 * f64::from(frame), 0.02 * f64::from(frame)];
@@ -188,7 +200,7 @@ fn a_donut_seen_edge_on_or_nearly_so_has_no_wrong_cell() {
     }
 }
 
-/// A torus whose axis is exactly upright in the picture. No angle A that is a float makes it so.
+/// A torus whose axis is exactly upright in the picture. No angle A in f64 gives exactly this axis.
 fn edge_on() -> Torus {
     Torus { r2: 2.0, axis: [0.0, -1.0, 0.0] }
 }
@@ -200,8 +212,8 @@ fn a_ray_in_the_plane_of_the_ring_hits_the_outer_equator() {
     for dx in [0.0_f64, 0.3] {
         let length = (1.0 + dx * dx).sqrt();
         let (along, aside) = (5.0 / length, 5.0 * dx / length);
-        let way = along - (9.0 - aside * aside).sqrt();
-        let z = way / length - 5.0;
+        let distance = along - (9.0 - aside * aside).sqrt();
+        let z = distance / length - 5.0;
         let seen = look(&edge_on(), 5.0, dx, 0.0).unwrap();
         assert!((seen - 8.0 * -z / 3.0).abs() < 1e-9, "{seen} {z}");
     }
@@ -209,16 +221,16 @@ fn a_ray_in_the_plane_of_the_ring_hits_the_outer_equator() {
 
 #[test]
 fn rays_that_touch_the_bounding_sphere_miss_or_have_a_finite_luminance() {
-    let (torus, edge) = (Torus::new(2.0, 1.0, 0.5), apparent_radius(2.0, 5.0));
+    let (torus, radius) = (Torus::new(2.0, 1.0, 0.5), apparent_radius(2.0, 5.0));
     for n in 0..1000 {
         let (sin, cos) = (0.01 * f64::from(n)).sin_cos();
-        for edge in [edge, edge * (1.0 + 1e-15), edge * (1.0 - 1e-15)] {
-            let seen = look(&torus, 5.0, edge * cos, edge * sin);
+        for radius in [radius, radius * (1.0 + 1e-15), radius * (1.0 - 1e-15)] {
+            let seen = look(&torus, 5.0, radius * cos, radius * sin);
             assert!(seen.is_none_or(f64::is_finite));
         }
     }
     // This one touches the donut as well, and may hit or miss.
-    let seen = look(&edge_on(), 5.0, edge, 0.0);
+    let seen = look(&edge_on(), 5.0, radius, 0.0);
     assert!(seen.is_none_or(f64::is_finite));
 }
 
@@ -268,13 +280,13 @@ fn rays_between_a_hit_and_a_miss_are_right() {
     let mut random = Random(2011);
     let mut tally = Tally::default();
     for (n, (r2, k2)) in (0..900).zip(SCENES.into_iter().cycle()) {
-        let edge = apparent_radius(r2, k2);
-        let (b, dy) = (random.between(0.0, 7.0), edge * random.between(-1.0, 1.0));
+        let radius = apparent_radius(r2, k2);
+        let (b, dy) = (random.between(0.0, 7.0), radius * random.between(-1.0, 1.0));
         let [near, far] = [(); 2].map(|_| match n % 3 {
-            0 => (random.between(0.0, 7.0), edge * random.between(-1.0, 1.0)),
-            // Nearly edge-on, and nearly flat before the viewer, many rays touch.
+            0 => (random.between(0.0, 7.0), radius * random.between(-1.0, 1.0)),
+            // Many rays graze a donut that is nearly edge-on, or that faces the viewer nearly squarely.
             1 => (FRAC_PI_2 + random.between(-1e-3, 1e-3), 0.0),
-            _ => (random.between(-1e-3, 1e-3), edge * random.between(-1.0, 1.0)),
+            _ => (random.between(-1e-3, 1e-3), radius * random.between(-1.0, 1.0)),
         });
         let between = |t: f64| (near.0 + t * (far.0 - near.0), near.1 + t * (far.1 - near.1));
         let look = |t: f64| {
@@ -305,9 +317,9 @@ fn rays_between_a_hit_and_a_miss_are_right() {
     assert!(tally.cells > 1500 && tally.wrong() == 0, "{tally:?}");
 }
 
-/// The plane f = 1 lies on the tube like a table on an upturned bowl, so a ray in it grazes the tube
-/// twice. If the ray just misses, each step only halves the distance to where it grazes, first on the
-/// left and then on the right: this takes the most steps.
+/// The plane f = 1 touches the tube all the way round, as a board does that lies on a swimming ring. So
+/// a ray in this plane grazes the tube twice. If the ray just misses both times, the search creeps up to
+/// both places, and each step only halves the distance. Such rays take many steps.
 #[test]
 fn rays_that_touch_the_tube_twice_are_right() {
     let (mut random, mut tally) = (Random(2012), Tally::default());
@@ -377,8 +389,8 @@ fn rays_whose_search_meets_minus_w_exactly_are_right() {
     let (mut random, mut tally) = (Random(2013), Tally::default());
     for n in 0..160_000 {
         let (r2, k2) = [(2.0, 5.0), (2.0, 1e6), (1.1, 5.0), (1.1, 50.0)][n % 4];
-        let edge = apparent_radius(r2, k2);
-        let [dx, dy] = [(); 2].map(|_| edge * random.between(-1.0, 1.0));
+        let radius = apparent_radius(r2, k2);
+        let [dx, dy] = [(); 2].map(|_| radius * random.between(-1.0, 1.0));
         let [near, far, b] = [(); 3].map(|_| random.between(0.0, 7.0));
         let angle = |t: f64| near + t * (far - near);
         // How far right of -w the search is where it begins, or after a step.
@@ -387,8 +399,8 @@ fn rays_whose_search_meets_minus_w_exactly_are_right() {
             let ray = torus.ray(dx, dy, k2);
             let [p, q, r] = torus.quartic(&ray);
             let (s, w) = (torus.entry(&ray), (p * (-1.0 / 6.0)).max(0.0).sqrt());
-            let steps = n / 4 % 2 == 1 && s < -w;
-            if steps { newton([p, q, r], s).0 + w } else { s + w }
+            let takes_a_step = n / 4 % 2 == 1 && s < -w;
+            if takes_a_step { newton([p, q, r], s).0 + w } else { s + w }
         };
         let is_left = |t: f64| position(t) < 0.0;
         if is_left(0.0) != is_left(1.0) {
@@ -407,17 +419,21 @@ fn rays_whose_search_meets_minus_w_exactly_are_right() {
 /// On the inner side of the tube, where theta is between pi / 2 and pi, the surface is a saddle: it
 /// bends one way round the tube, and the other way round the ring. Between these two directions there
 /// is one in which the surface does not bend. A ray in this direction meets the surface three times in
-/// one point.
+/// one point, which is seen as a cusp of the outline.
+///
+/// `across` is the part of this direction that goes round the tube. At the point, s is -w, f is sin
+/// theta, and f changes by fu = cos theta `across` with s. So f0, which is f at s = 0, is sin theta + w
+/// fu = sin^3 theta.
 fn cusp((r2, k2): (f64, f64), theta: f64) -> (f64, f64, f64) {
     let (sin, cos) = theta.sin_cos();
     let across = (-cos / r2).sqrt();
     let (f0, fu, w) = (sin.powi(3), cos * across, r2 * sin * across);
     let d0 = (r2 + cos).powi(2) + sin * sin - w * w;
     // From the viewer to P0.
-    let way = (k2 * k2 - d0).sqrt();
-    let a = ((fu * way - f0) / k2).acos();
-    let dy = -(fu * d0 + f0 * way) / (k2 * way * a.sin());
-    (a, (d0 / (way * way) - dy * dy).max(0.0).sqrt(), dy)
+    let distance = (k2 * k2 - d0).sqrt();
+    let a = ((fu * distance - f0) / k2).acos();
+    let dy = -(fu * d0 + f0 * distance) / (k2 * distance * a.sin());
+    (a, (d0 / (distance * distance) - dy * dy).max(0.0).sqrt(), dy)
 }
 
 #[test]
@@ -458,10 +474,10 @@ fn rays_that_lead_the_search_astray_are_right() {
         let mut tally = Tally::default();
         judge(&mut tally, scene, ray);
         assert_eq!((tally.drawn, tally.wrong() + tally.ties), (1, 0), "{scene:?} {ray:?}");
-        // The rays that are solved beside this one hit where they hit without it.
+        // The rays that are followed beside this one hit where they hit without it.
         let ((r2, k2), [a, b, dx, dy]) = (scene, ray);
-        let (torus, edge) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
-        let rays = std::array::from_fn(|i| torus.ray(dx + 0.1 * edge * i as f64, dy, k2));
+        let (torus, radius) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
+        let rays = std::array::from_fn(|i| torus.ray(dx + 0.1 * radius * i as f64, dy, k2));
         for (ray, s) in rays.into_iter().zip(torus.first_hits(&rays)).skip(1) {
             let [alone, ..] = torus.first_hits(&[ray; LANES]);
             assert!(s == alone || (s - alone).abs() < 1e-12, "{scene:?} {s} {alone}");
@@ -500,16 +516,16 @@ fn no_pose_is_cut_off_and_the_donut_is_as_large_as_it_can_be() {
 }
 
 #[test]
-fn the_edge_is_right_however_near_the_viewer_is() {
+fn the_apparent_radius_is_right_however_near_the_viewer_is() {
     // Computed as `radius / sqrt(K2^2 - radius^2)`, it would lose digits where K2 is next to the radius.
-    for k2 in [3.0 * LEAST_DISTANCE, 3.01, 3.1, 3.7, 5.0] {
+    for k2 in [3.0 * LEAST_DISTANCE_RATIO, 3.01, 3.1, 3.7, 5.0] {
         let gap = k2 - 3.0;
         let expected = 3.0 / (gap * (6.0 + gap)).sqrt();
         assert!((apparent_radius(2.0, k2) / expected - 1.0).abs() < 1e-15, "{k2}");
     }
 }
 
-/// Any angle, or one at which the donut is nearly flat or nearly edge-on.
+/// Any angle, or one at which the donut nearly faces the viewer or is nearly edge-on.
 fn angle() -> impl Strategy<Value = f64> {
     let hair = (-6.0..-1.0_f64).prop_map(|exponent| 10_f64.powf(exponent));
     let near = (-8..=8, hair).prop_map(|(n, hair)| f64::from(n) * FRAC_PI_2 + hair);

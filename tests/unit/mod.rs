@@ -1,8 +1,8 @@
 //! The tests that look inside the program. Those in the folder above only run it.
 //!
 //! - `oracle.rs`: a second way to find what a ray sees. It is slow, and shares no code with the program.
-//! - `exact.rs`: every cell that the method exact draws shows what the oracle sees there.
-//! - `classic.rs`: the parts of the method classic, and how its picture differs from the oracle's.
+//! - `exact.rs`: every cell that `exact` draws shows what the oracle sees there.
+//! - `classic.rs`: the parts of `classic`, and how its picture differs from the oracle's.
 //! - `clock.rs`: the angles A and B of frame after frame, and the method that `auto` chooses by them.
 //! - `panic.rs`: the terminal is restored after a panic.
 //! - `dist.rs`: the manual page and the completions in tests/dist say what the program does.
@@ -27,13 +27,13 @@ mod stored;
 use super::*;
 use oracle::{Oracle, Verdict};
 
-/// donut.c's view, with each cell divided into `times` by `times` cells. The program itself never
+/// donut.c's view, with each cell divided into `scale` by `scale` cells. The program itself never
 /// draws this view: it fits the donut to the size that `--width` and `--height` ask for, as
 /// `fitted` does.
-fn enlarged(times: usize) -> View {
+fn enlarged(scale: usize) -> View {
     let View { r2, k2, width, height, .. } = View::DONUT_C;
-    let [cx, cy, k1x, k1y] = [40.0, 12.0, 30.0, 15.0].map(|value| times as f64 * value);
-    View { r2, k2, width: times * width, height: times * height, cx, cy, k1x, k1y }
+    let [cx, cy, k1x, k1y] = [40.0, 12.0, 30.0, 15.0].map(|value| scale as f64 * value);
+    View { r2, k2, width: scale * width, height: scale * height, cx, cy, k1x, k1y }
 }
 
 /// The program's view of donut.c's donut in a picture of this size.

@@ -1,13 +1,14 @@
 //! What a ray sees, found in another way: the oracle shares no code and no method with the program.
 //!
-//! The oracle looks at the ray from the torus's own axes, where a point's distance from the surface is a
+//! The oracle works in the torus's own coordinates, where a point's distance from the surface is a
 //! simple formula. It searches an interval of the ray for the first point whose distance is 0:
 //!
-//! - Whoever travels along the ray cannot come nearer to the surface by more than they travel. So if the
-//!   distance at the middle of the interval is larger than half its length, the interval is empty.
-//! - Along the ray, the distance changes smoothly: its curve bends no more sharply than a circle of
-//!   known radius. So if the distance is large enough at both ends, the curve cannot sag to 0 between
-//!   them, and the interval is empty.
+//! - Going along the ray by some length changes the distance from the surface by that length at most. So
+//!   if the distance at the middle of the interval is larger than half the interval's length, there is
+//!   no hit in the interval.
+//! - Drawn over the ray, the distance is a smooth curve, which bends no more sharply than a circle of
+//!   known radius. So if the distance is large enough at both ends of the interval, the curve cannot sag
+//!   to 0 between them, and there is no hit in the interval.
 //! - Any other interval is halved, and the nearer half is searched first, until the halves are as short
 //!   as rounding allows.
 //!
@@ -19,7 +20,7 @@ pub struct Oracle {
     pub r2: f64,
     pub k2: f64,
     /// The torus's own axes in view space; the third is its axis of revolution.
-    pub frame: [[f64; 3]; 3],
+    pub axes: [[f64; 3]; 3],
 }
 
 /// Where 8 L is less than this below a whole number, either of the two glyphs is right: `exact` adds
@@ -37,12 +38,12 @@ impl Oracle {
     /// A torus turned as in donut.c: about x by A, then about z by B.
     pub fn new(r1: f64, r2: f64, k2: f64, a: f64, b: f64) -> Oracle {
         let (sin_a, cos_a, sin_b, cos_b) = (a.sin(), a.cos(), b.sin(), b.cos());
-        let frame = [
+        let axes = [
             [cos_b, sin_b, 0.0],
             [-cos_a * sin_b, cos_a * cos_b, sin_a],
             [sin_a * sin_b, -sin_a * cos_b, cos_a],
         ];
-        Oracle { r1, r2, k2, frame }
+        Oracle { r1, r2, k2, axes }
     }
 
     /// 8 L at the first hit of the ray in the direction (dx, dy, 1), or nothing.
@@ -57,7 +58,7 @@ impl Oracle {
         let p = [0, 1, 2].map(|i| q[i] + t * u[i]);
         let ring = 1.0 - self.r2 / f64::hypot(p[0], p[1]);
         let normal = [p[0] * ring, p[1] * ring, p[2]];
-        let light = self.frame.map(|axis| dot(axis, [0.0, -1.0, -1.0]));
+        let light = self.axes.map(|axis| dot(axis, [0.0, -1.0, -1.0]));
         Some(8.0 * dot(normal, light) / r1)
     }
 
@@ -82,10 +83,10 @@ impl Oracle {
     }
 
     /// The ray's point in the plane through the torus's centre, and its unit direction, in the
-    /// torus's frame.
+    /// torus's own coordinates.
     fn ray(&self, dx: f64, dy: f64) -> ([f64; 3], [f64; 3]) {
         let length = (dx * dx + dy * dy + 1.0).sqrt();
-        let into = |v: [f64; 3]| self.frame.map(|axis| dot(axis, v));
+        let into = |v: [f64; 3]| self.axes.map(|axis| dot(axis, v));
         let u = [dx / length, dy / length, 1.0 / length];
         (into([self.k2 * dx, self.k2 * dy, 0.0]), into(u))
     }
@@ -106,11 +107,13 @@ impl Oracle {
 /// The first t at which the distance is 0, between `middle - half` and `middle + half`. Intervals are
 /// halved down to `end`.
 ///
-/// At a t, `measure` gives the distance, and the radius of the smallest circle in which the curve of the
-/// distance can bend there. Neither changes by more than t does.
+/// For a t, `measure` gives the distance, and a radius: the curve of the distance bends no more sharply
+/// there than a circle of this radius. If t changes by some amount, both change by that amount at most.
 fn search(measure: &impl Fn(f64) -> (f64, f64), middle: f64, half: f64, end: f64) -> Option<f64> {
     let (distance, radius) = measure(middle);
     let at_ends = || measure(middle - half).0.min(measure(middle + half).0);
+    // In the whole interval, the radius is at least `radius - half`. If that is positive, the curve sags
+    // between the ends of the interval by this much at most.
     let sag = half * half / (2.0 * (radius - half));
     if distance > half || radius > half && at_ends() > sag {
         None
@@ -132,6 +135,6 @@ pub enum Verdict {
     Hole,
     /// A glyph where the oracle sees nothing.
     Extra,
-    /// Another glyph than the oracle's: a wrong shade, or the far wall seen through the near one.
+    /// A glyph other than the oracle's: a wrong shade, or the far wall seen through the near one.
     Shade,
 }

@@ -24,7 +24,7 @@ struct NamedMethod {
     draw: Draw,
 }
 
-/// How many cells show another glyph than the oracle sees at their centre, by kind.
+/// How many cells do not show what the oracle sees at their centre, by kind of error.
 #[derive(Clone, Copy, Default)]
 struct Wrong {
     one_shade: usize,
@@ -106,20 +106,21 @@ fn closed_form(
     ray_by_ray(name, view, move |torus, ray| first_root(torus.quartic(ray)))
 }
 
-/// The program's own two methods, in donut.c's view enlarged this many times.
-fn program_methods(times: usize) -> Vec<NamedMethod> {
+/// The program's own two methods, in donut.c's view enlarged by this scale.
+fn program_methods(scale: usize) -> Vec<NamedMethod> {
     [("classic x1", Method::Classic), ("exact", Method::Exact)]
-        .map(|(name, method)| program(name, renderer(enlarged(times), method)))
+        .map(|(name, method)| program(name, renderer(enlarged(scale), method)))
         .into()
 }
 
 /// The methods to compare the program's own with, in the same view.
-fn methods_to_compare(times: usize) -> Vec<NamedMethod> {
-    let view = enlarged(times);
+fn methods_to_compare(scale: usize) -> Vec<NamedMethod> {
+    let view = enlarged(scale);
     let steps =
         |name: &str, factor: f64| program(name, with_steps(view, 0.07 * factor, 0.02 * factor));
-    // The steps of classic in an enlarged view, which are as long as donut.c's in cells.
-    let own = 1.0 / times as f64;
+    // In an enlarged view, classic's own steps are shorter by this factor, so that the samples are
+    // still about a cell apart.
+    let own = 1.0 / scale as f64;
     let mut methods = vec![
         steps("classic x4", 4.0 * own),
         steps("classic x2", 2.0 * own),
@@ -328,13 +329,13 @@ fn drawn() -> [(&'static str, String); 4] {
 #[ignore = "measures for two minutes"]
 fn measure_and_write_the_tables_and_the_charts() {
     let mut table = String::from(TITLES);
-    // How many times donut.c's view is enlarged, and for how many seconds its frames are timed.
-    for (times, seconds) in [(1, 15), (2, 20), (4, 30), (8, 5), (16, 10)] {
-        let mut methods = program_methods(times);
-        if times <= 4 {
-            methods.extend(methods_to_compare(times));
+    // By how much donut.c's view is enlarged, and for how many seconds its frames are timed.
+    for (scale, seconds) in [(1, 15), (2, 20), (4, 30), (8, 5), (16, 10)] {
+        let mut methods = program_methods(scale);
+        if scale <= 4 {
+            methods.extend(methods_to_compare(scale));
         }
-        table.push_str(&measure(methods, &enlarged(times), seconds));
+        table.push_str(&measure(methods, &enlarged(scale), seconds));
     }
     println!("{TABLE}\n{table}");
     fs::write(path(TABLE), table).unwrap();
@@ -344,7 +345,7 @@ fn measure_and_write_the_tables_and_the_charts() {
 }
 
 #[test]
-fn the_charts_the_clocks_table_and_the_readmes_table_are_up_to_date() {
+fn the_charts_and_the_tables_of_the_clock_and_of_the_readme_are_up_to_date() {
     for (name, contents) in drawn() {
         assert_current(name, &contents);
     }

@@ -1,7 +1,7 @@
 //! Other methods of drawing the donut, to compare with the program's own.
 //!
 //! The chart compares their times, so the methods in it should not be slow for no reason. Sphere
-//! tracing solves several rays side by side, as exact does; the closed forms take one ray at a
+//! tracing follows several rays side by side, as exact does; the closed forms take one ray at a
 //! time. Only `donut_c` is deliberately written as donut.c is. `newton_once` and the textbook
 //! formulas are not timed, only judged.
 //!
@@ -19,10 +19,10 @@ pub fn trace_with<const N: usize>(
     first_hits: impl Fn(&Torus, &[Ray; N]) -> [f64; N],
 ) {
     let View { r2, k2, width, cx, cy, k1x, k1y, .. } = *view;
-    let (torus, edge) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
+    let (torus, radius) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
     for (row, cells) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
         let dy = (row as f64 + 0.5 - cy) / k1y;
-        let half = (edge * edge - dy * dy).max(0.0).sqrt() * k1x;
+        let half = (radius * radius - dy * dy).max(0.0).sqrt() * k1x;
         let (first, last) = ((cx - half) as usize, ((cx + half) as usize + 1).min(width));
         for column in (first..last).step_by(N) {
             let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
@@ -37,7 +37,7 @@ pub fn trace_with<const N: usize>(
     }
 }
 
-/// How many rays sphere tracing solves side by side.
+/// How many rays sphere tracing follows side by side.
 const RAYS: usize = 16;
 
 /// Sphere tracing, in f32. The search starts at the sphere round the donut. Each step along the ray
@@ -46,8 +46,8 @@ const RAYS: usize = 16;
 /// A ray has hit when the distance is at most a tolerance. It has missed when it leaves the sphere,
 /// or when `most_steps` steps were not enough. Both kinds of error depend on the tolerance: if it
 /// is small, more rays run out of steps before they hit; if it is large, more rays stop beside an
-/// outline that they should pass. The tolerance `1 / most_steps^2` is a compromise that shrinks as
-/// the steps become more.
+/// outline that they should pass. The tolerance `1 / most_steps^2` is a compromise: the more steps there
+/// are, the smaller it is.
 pub fn sphere_trace(r2: f64, rays: &[Ray; RAYS], most_steps: usize) -> [f64; RAYS] {
     let tolerance = (most_steps as f32).powi(-2);
     let [mut d0, mut f0, mut fu] = [[0.0; RAYS]; 3];
@@ -114,11 +114,12 @@ macro_rules! closed_form {
             } else {
                 q / alpha
             };
-            let (near, far) = (2.0 * (apart - p) - y, -2.0 * (apart + p) - y);
-            let mut s = if near >= 0.0 {
-                (-alpha - near.sqrt()) / 2.0
-            } else if far >= 0.0 {
-                (alpha - far.sqrt()) / 2.0
+            // The discriminants of the two factors. A factor with a negative one has no roots.
+            let (first, second) = (2.0 * (apart - p) - y, -2.0 * (apart + p) - y);
+            let mut s = if first >= 0.0 {
+                (-alpha - first.sqrt()) / 2.0
+            } else if second >= 0.0 {
+                (alpha - second.sqrt()) / 2.0
             } else {
                 return MISS;
             };
@@ -189,10 +190,11 @@ macro_rules! textbook {
             };
             let y = v - 2.0 / 3.0 * p;
             let alpha = y.sqrt();
-            // Where a root is not real, this is NaN. The filter below drops it, because NaN is not
-            // above 0.
-            let [near, far] = [q / alpha, -q / alpha].map(|apart| (2.0 * (apart - p) - y).sqrt());
-            let roots = [-alpha - near, near - alpha, alpha - far, far + alpha];
+            // The square roots of the discriminants of Ferrari's two factors. Where a factor has no
+            // roots, this is NaN. The filter below drops its roots, because NaN is not above 0.
+            let [first, second] =
+                [q / alpha, -q / alpha].map(|apart| (2.0 * (apart - p) - y).sqrt());
+            let roots = [-alpha - first, first - alpha, alpha - second, second + alpha];
             let ts = roots.into_iter().map(|root| root / 2.0 - a / 4.0).filter(|&t| t > 0.0);
             (ts.fold($float::INFINITY, $float::min) - t0).into()
         }

@@ -157,7 +157,7 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
     let named = |start: &str| -> Vec<_> {
         dots.iter().filter(|dot| dot.0.starts_with(start)).map(|dot| dot.1).collect()
     };
-    // The first of the names that begin with "classic x1" is this itself.
+    // Several names begin with "classic x1", and "classic x1" itself is the first of them.
     let [exact, classic, written] = ["exact", "classic x1", "donut.c"].map(|name| named(name)[0]);
     let title = "Exact is the fastest method without a wrong cell";
     let up = "wrong cells, as % of the donut's cells (cube-root scale)";
