@@ -63,8 +63,9 @@
 //!
 //! **Luminance.** The cell shows how bright its sample is. The luminance L is the dot product of the
 //! normal and the vector (0, -1, -1), which points at the light, above and behind the viewer. This
-//! vector is sqrt 2 long, so 8 L is at most 11.3. Its whole part is an index, from 0 to 11, into a ramp
-//! of twelve characters from dark to bright, `.,-~:;=!*#$@`. Where L is negative, the surface faces away
+//! vector is sqrt 2 long, so L is at most 1.41. donut.c multiplies L by 8, which gives at most 11.3. The
+//! whole part of 8 L is an index, from 0 to 11, into a ramp of twelve characters from dark to bright,
+//! `.,-~:;=!*#$@`. Where L is negative, the surface faces away
 //! from the light, and the index is 0.
 //!
 //! # Two methods
@@ -268,9 +269,9 @@ fn parse_color(text: &str) -> Result<Color, String> {
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
-/// The range of R2 / R1, beyond which no picture looks like a donut. Below 1.001, the hole is at most
-/// two cells across, even in the largest picture. Above 30, the tube of a donut far away is less than
-/// three columns thick in a picture of 80 columns.
+/// The range of R2 / R1, beyond which no picture looks like a donut. Below 1.001, the hole is hardly two
+/// cells across, even in the largest picture. Above 30, the tube of a donut far away is less than three
+/// columns thick in a picture of 80 columns.
 const RING_RATIOS: RangeInclusive<f64> = 1.001..=30.0;
 /// The least K2 / (R1 + R2). At this distance, a donut that is seen edge-on already fills 175 degrees of
 /// the view.
@@ -727,8 +728,8 @@ impl Renderer {
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart. In a larger
-/// picture the same steps would leave gaps. So both steps shrink by as much as the scale K1 grows.
-/// K1 is k1x across and k1y down, and the larger of the two counts.
+/// picture the same steps would leave gaps. So both steps shrink by the factor by which k1x or k1y,
+/// whichever is larger, exceeds donut.c's 30.
 fn angle_steps(view: &View) -> [f64; 2] {
     let shrink = f64::min(1.0, View::DONUT_C.k1x / view.k1x.max(view.k1y));
     [0.07 * shrink, 0.02 * shrink]
@@ -768,7 +769,7 @@ fn floor(value: f32) -> u32 {
 
 // ---- exact: rays and a torus ---------------------------------------------------------------------
 
-/// For how many rays the equation is solved side by side. The compiler turns a loop over them into
+/// How many rays are followed side by side. The compiler turns a loop over them into
 /// vector instructions, and while one ray waits for a division, others go on.
 const LANES: usize = 8;
 /// One number for each of these rays.
@@ -777,10 +778,11 @@ type Lanes = [f64; LANES];
 const MISS: f64 = f64::INFINITY;
 /// A search for a hit has arrived when its next step is no longer than this, in units of R1.
 ///
-/// Newton's method is fast: once the error is small, each step leaves about its square. So after a step
-/// of 1e-8, little more than rounding is left. Only where the ray grazes the donut, each step just
-/// halves the error, and an error of about 1e-8 may be left. This does no harm. There the ray runs along
-/// the surface, and 1e-8 further on, its distance from the surface is still the same to within rounding.
+/// Newton's method is fast: once the error is small, each step turns an error e into one of about e^2.
+/// So after a step of 1e-8, little more than rounding is left. But where the ray grazes the donut, each
+/// step only halves the error, and an error of about 1e-8 may be left. This does no harm. There the ray
+/// runs along the surface, and 1e-8 further on, its distance from the surface is still the same to
+/// within rounding.
 const LAST_STEP: f64 = 1e-8;
 /// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be
 /// exactly a whole number, and the computed one is then just below it or just above it. With this added,
@@ -809,8 +811,8 @@ const TIE_BIAS: f64 = 1e-12;
 /// G is positive outside the donut, and negative inside. Because s is measured from P0, there is no
 /// cubic term, and the coefficients stay small however far away the viewer is.
 ///
-/// In two kinds of cell, f64 has too few digits to decide between two glyphs, or between a glyph and a
-/// blank. Such a cell is a tie, and may show either:
+/// In some cells, f64 has too few digits to decide between two glyphs, or between a glyph and a blank.
+/// Such a cell is a tie, and may show either of the two. There are two kinds of tie:
 /// - 8 L is less than 1e-11 below a whole number.
 /// - With a tube thinner or thicker by 1e-13 (R1 + R2), the cell would show something else.
 struct Torus {
@@ -968,8 +970,8 @@ fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
     (s - (((ss + p) * s + q) * s + r) / slope, slope)
 }
 
-/// The larger of two numbers, or `b` if `a` is NaN. A processor has one instruction for this. `f64::max`
-/// takes several, because it also has to handle NaN in `b`.
+/// The larger of two numbers, or `b` if `a` is NaN. An x86 processor has one instruction for this. There
+/// `f64::max` takes several, because it also has to handle NaN in `b`.
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
@@ -977,7 +979,8 @@ fn larger(a: f64, b: f64) -> f64 {
 // ---- Terminal ------------------------------------------------------------------------------------
 
 // A program that only writes to a pipe would need little of what follows. The rest makes this one a good
-// guest on a terminal: whatever ends or stops the program, the shell finds its terminal as it was.
+// guest on a terminal: when the program ends or stops, the shell finds its terminal as it was. The
+// manual page lists the exceptions.
 
 /// The longest wait in the loop, so that a new size or a lost terminal is noticed in time.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
@@ -1130,9 +1133,9 @@ impl Console {
             previous_hook(info);
         }));
         // ctrlc works on every system, but its handler cannot tell which signal has come. So on Unix,
-        // more handlers are registered below. They run before ctrlc's and store the number of the
-        // signal. ctrlc's handler only adds a number if there is none: on Windows, and for a signal that
-        // comes before the handlers below are registered.
+        // more handlers are registered below, and their number counts, whichever handler runs first.
+        // ctrlc's number remains on Windows, and for a signal that comes before the handlers below are
+        // registered.
         let end_signal = self.end_signal.clone();
         let take_for_sigint = move || {
             let _ = end_signal.compare_exchange(0, 2, SeqCst, SeqCst); // 2 is SIGINT.

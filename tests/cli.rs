@@ -462,8 +462,8 @@ fn after_a_stall_the_missed_frames_do_not_come_in_a_burst() {
 /// To make a frame late, this test uses frames that are larger than a pipe, and pauses after it has
 /// read frame 0. Frame 1 then fills the pipe, and the program has to wait for its reader. The
 /// reader goes on 2.5 intervals after frame 0, when frame 2 is already half an interval late. Frame
-/// 3 is due half an interval after that. If the delay were added, frame 3 would come a whole
-/// interval later at the earliest.
+/// 3 is due half an interval after that. If the delay were added, frame 3 would come
+/// at least a whole interval after the reader goes on.
 ///
 /// On a busy machine frame 3 may be late for other reasons. So this test tries up to ten times, and one
 /// success is enough: a program that adds the delay never succeeds.

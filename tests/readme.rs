@@ -60,7 +60,7 @@ fn moving_picture() -> String {
     /// The rows of a frame: one that is always empty, 21 that the donut is drawn in, and an empty
     /// one as a margin.
     const ROWS: f64 = 23.0;
-    /// The columns that the donut is seen in, in any of the frames.
+    /// The columns that are shown: those that the donut is seen in, in any of the frames, and a margin.
     const COLUMNS: Range<usize> = 14..64;
     let turn = std::f64::consts::TAU / FRAMES as f64;
     let options = format!("--spin={},{turn} --frames={FRAMES} --fps=0", 2.0 * turn);
@@ -91,7 +91,7 @@ fn moving_picture() -> String {
 /// The picture of one pose in both methods, side by side. The cells in which classic differs from
 /// exact have another colour.
 fn two_methods() -> String {
-    /// The columns that the donut is seen in.
+    /// The columns that are shown: those that the donut is seen in, and a margin.
     const COLUMNS: Range<usize> = 5..36;
     /// The rows that are shown. The others are below the donut.
     const ROWS: usize = 15;
@@ -102,8 +102,8 @@ fn two_methods() -> String {
     // There is a margin of one cell all round, two cells are between the pictures, and the names of the
     // methods have a row of their own.
     let right = 1.0 + COLUMNS.len() as f64 + 2.0;
-    let (columns, rows) = (2.0 * right, ROWS as f64 + 3.0);
-    let mut svg = head(title, columns - 2.0, rows, ".wrong{fill:#ff8c42}");
+    let (columns, rows) = (right + COLUMNS.len() as f64 + 1.0, ROWS as f64 + 3.0);
+    let mut svg = head(title, columns, rows, ".wrong{fill:#ff8c42}");
     for (picture, name, left) in [(&classic, "classic", 1.0), (&exact, "exact", right)] {
         put(&mut svg, left, 1.0, "", name);
         for (row, (line, truth)) in picture.iter().zip(&exact).enumerate() {

@@ -571,7 +571,7 @@ fn in_a_pid_namespace_ctrl_z_stops_it_unless_it_is_the_first_process() {
         println!("not tested: this machine does not let us make a pid namespace");
         return;
     }
-    // As the first process of its namespace, which signals do not stop.
+    // Here the donut is the first process of its namespace, and signals do not stop that process.
     let mut pty = Pty::shell("bash", (80, 24));
     type_line(&mut pty, &format!("{unshare} {DONUT}"));
     pty.wait_for("a frame", |pty| frames(pty) > 0);
@@ -581,7 +581,8 @@ fn in_a_pid_namespace_ctrl_z_stops_it_unless_it_is_the_first_process() {
     pty.wait_for("more frames", |pty| frames(pty) > now + 5);
     pty.type_bytes(b"\x03");
     assert_code(&mut pty, 130);
-    // As another process, with the shell outside of the namespace, and then with a shell inside.
+    // Here it is not the first process. The shell that continues it is outside of the namespace in the
+    // first case, and inside in the second.
     let shells = [format!("sh -c '{DONUT}; exit 5'"), "bash --norc -i".to_string()];
     for (shell, command) in shells.iter().zip(["", DONUT]) {
         let mut pty = Pty::shell("bash", (80, 24));

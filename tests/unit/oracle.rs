@@ -24,7 +24,7 @@ pub struct Oracle {
 }
 
 /// Where 8 L is less than this below a whole number, either of the two glyphs is right: `exact` adds
-/// `TIE_BIAS` to L, and rounds.
+/// `TIE_BIAS` to L, and its sums and products are rounded.
 const LEVEL_TIE: f64 = 1e-11;
 /// A tube thinner or thicker by this, in units of R1 + R2, is the same to f64. What either tube would
 /// show is right as well.
@@ -97,6 +97,9 @@ impl Oracle {
             let p = [0, 1, 2].map(|i| q[i] + t * u[i]);
             let from_axis = (p[0] * p[0] + p[1] * p[1]).sqrt();
             let from_ring = ((from_axis - self.r2).powi(2) + p[2] * p[2]).sqrt();
+            // The second derivative of the distance is at most 1 / from_ring in a plane through the
+            // axis, and at most 1 / from_axis round the axis. So the smaller of the two is a safe
+            // radius.
             (from_ring - r1, from_ring.min(from_axis))
         };
         let (nearest, reach) = (-dot(q, u), 1.001 * (r1 + self.r2));

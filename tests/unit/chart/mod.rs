@@ -195,7 +195,7 @@ fn micros(methods: &mut [NamedMethod], view: &View, seconds: u64) -> Vec<[f64; 3
         }
         let elapsed = start.elapsed().as_secs();
         let View { width, height, .. } = view;
-        eprint!("\r{width}x{height}: timed for {elapsed:2} of {seconds} s, then judged ");
+        eprint!("\r{width}x{height}: timing, {elapsed:2} of {seconds} s; judging comes next ");
         if elapsed >= seconds {
             break;
         }

@@ -55,16 +55,16 @@ pub fn sphere_trace(r2: f64, rays: &[Ray; RAYS], most_steps: usize) -> [f64; RAY
         [d0[i], f0[i], fu[i]] = [ray.d0, ray.f0, ray.fu].map(|number| number as f32);
     }
     let r2 = r2 as f32;
-    let h = d0.map(|d0| ((1.0 + r2) * (1.0 + r2) - d0).max(0.0).sqrt());
-    let mut s = h.map(|h| -h);
+    let half = d0.map(|d0| ((1.0 + r2) * (1.0 + r2) - d0).max(0.0).sqrt());
+    let mut s = half.map(|half| -half);
     let mut distance = [f32::INFINITY; RAYS];
     for _ in 0..most_steps {
         let mut running = false;
         for i in 0..RAYS {
-            let z = f0[i] + s[i] * fu[i];
-            let rho = (d0[i] + s[i] * s[i] - z * z).max(0.0).sqrt();
-            distance[i] = ((rho - r2) * (rho - r2) + z * z).sqrt() - 1.0;
-            let open = (distance[i] > tolerance) & (s[i] < h[i]);
+            let f = f0[i] + s[i] * fu[i];
+            let h = (d0[i] + s[i] * s[i] - f * f).max(0.0).sqrt();
+            distance[i] = ((h - r2) * (h - r2) + f * f).sqrt() - 1.0;
+            let open = (distance[i] > tolerance) & (s[i] < half[i]);
             s[i] += if open { distance[i] } else { 0.0 };
             running |= open;
         }
@@ -166,14 +166,15 @@ pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
 macro_rules! textbook {
     ($name:ident, $float:ident) => {
         pub fn $name(torus: &Torus, k2: f64, &Ray { d0, fu, .. }: &Ray) -> f64 {
-            let (t0, f, rr) = ((k2 * k2 - d0).sqrt(), -k2 * torus.axis[2], torus.r2 * torus.r2);
-            let [t0, f, fu, k2, rr] = [t0, f, fu, k2, 4.0 * rr].map(|value| value as $float);
+            let (t0, f, r2_r2) = ((k2 * k2 - d0).sqrt(), -k2 * torus.axis[2], torus.r2 * torus.r2);
+            let [t0, f, fu, k2, r2_r2] = [t0, f, fu, k2, r2_r2].map(|value| value as $float);
+            let four_r2_r2 = 4.0 * r2_r2;
             // t^4 + a t^3 + b t^2 + c t + d
-            let k = k2 * k2 + rr / 4.0 - 1.0;
+            let k = k2 * k2 + r2_r2 - 1.0;
             let a = -4.0 * t0;
-            let b = 4.0 * t0 * t0 + 2.0 * k - rr * (1.0 - fu * fu);
-            let c = -4.0 * t0 * k + 2.0 * rr * (t0 + f * fu);
-            let d = k * k - rr * (k2 * k2 - f * f);
+            let b = 4.0 * t0 * t0 + 2.0 * k - four_r2_r2 * (1.0 - fu * fu);
+            let c = -4.0 * t0 * k + 2.0 * four_r2_r2 * (t0 + f * fu);
+            let d = k * k - four_r2_r2 * (k2 * k2 - f * f);
             // x^4 + p x^2 + q x + r, where x = t + a / 4
             let aa = a * a;
             let p = b - 3.0 * aa / 8.0;

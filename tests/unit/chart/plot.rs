@@ -258,7 +258,7 @@ pub fn clock(errors: &[(u32, f64)]) -> Result<String> {
         panel.line(&points, ORANGE.stroke_width(2))?;
         let at = |event: f64| *points.iter().find(|&&(frame, _)| frame == event).unwrap();
         for (event, name) in
-            [(3_345_245.0, "from here, A turns 17% too fast"), (22_918_663.0, "A stands still")]
+            [(3_345_245.0, "here A begins to turn 17% too fast"), (22_918_663.0, "A stands still")]
         {
             panel.dot(at(event), 5, &INK)?;
             panel.label(at(event), (-10, -4), Right, name, &INK)?;
