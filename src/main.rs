@@ -1349,7 +1349,11 @@ impl Console {
             return Ok(());
         }
         self.leave()?;
-        Ok(kill_current_process_group(Signal::TSTP)?)
+        // A signal that has come with the Ctrl-Z ends the program at once, not when it is continued.
+        if self.end_signal.load(SeqCst) == 0 {
+            kill_current_process_group(Signal::TSTP)?;
+        }
+        Ok(())
     }
 
     /// Waits until standard output takes more bytes, but no longer than POLL_INTERVAL. Then `write`
