@@ -190,7 +190,7 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
         for (at, radius, below, name, color) in [
             (classic, 6, 18, "classic", ORANGE),
             (written, 6, 18, "literal donut.c", INK),
-            (exact, 8, -19, "exact", GREEN),
+            (exact, 8, 18, "exact", GREEN),
         ] {
             panel.dot(at, radius, &color)?;
             let decimals = usize::from(at.0 < 100.0);
