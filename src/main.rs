@@ -667,6 +667,9 @@ impl Renderer {
                 x[i] = cx + k1x * ooz[i] * (cos_phi * h * cos_b - t * sin_b);
                 y[i] = cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b);
             }
+            // donut.c tests whether a sample is in the picture. Here, `reset_zbuffer` sees to that. (A
+            // sample may also fall on the right edge of the picture, where x is `width`. It is then
+            // taken for one in column 0 of the next row, which stays blank.)
             for i in 0..count {
                 cells[i] = floor(x[i]) + width as u32 * floor(y[i]);
             }
@@ -879,11 +882,15 @@ impl Torus {
     /// enough, the hit is at `c`. If no valley is deep enough, the ray misses.
     /// ```text
     ///  G  \           .---.           /
-    ///      \        .'     '.        /     -w and w are the inflections of G: it bends down between
-    ///  -----a------b---------c------d--> s them, and up to the left and to the right. (Without
-    ///        '.  .'           '.  .'       inflections it bends up everywhere, and w is 0.)
-    ///          '' -w         w  ''
+    ///      \        .'     '.        /
+    ///  -----a------b---------c------d---> s
+    ///        '.  .'           '.  .'
+    ///          ''  -w        w  ''
     /// ```
+    ///
+    /// -w and w are the inflections of G, which need not be at `b` and `c`. Between them G bends down,
+    /// and to the left and to the right of them it bends up. If there are no inflections, G bends up
+    /// everywhere, and w is 0.
     ///
     /// Newton's method searches for these roots. It steps from s to where the tangent of G at s is 0.
     /// Where G bends up, it lies above its tangents, so a step that starts where G is positive never
@@ -1133,9 +1140,9 @@ impl Console {
             previous_hook(info);
         }));
         // ctrlc works on every system, but its handler cannot tell which signal has come. So on Unix,
-        // more handlers are registered below, and their number counts, whichever handler runs first.
-        // ctrlc's number remains on Windows, and for a signal that comes before the handlers below are
-        // registered.
+        // more handlers are registered below. Each stores the number of its own signal, and overwrites
+        // what ctrlc's handler may have stored. The 2 from ctrlc's handler remains on Windows, and for a
+        // signal that comes before the handlers below are registered.
         let end_signal = self.end_signal.clone();
         let take_for_sigint = move || {
             let _ = end_signal.compare_exchange(0, 2, SeqCst, SeqCst); // 2 is SIGINT.
@@ -1338,11 +1345,11 @@ impl Console {
     /// Stops the program's whole job, on Ctrl-Z, until the shell's `fg` continues it.
     ///
     /// Normally the system does this by itself, and stops all processes of the job at once: the program,
-    /// and a script that it may run in. As soon as the script has stopped, the shell writes its prompt.
-    /// The program would still be on the alternate screen, and the prompt would be lost there. So the
-    /// program leaves the terminal first, and only then sends its job the signal that Ctrl-Z stands for.
-    /// Where no shell could continue the job, the system ignores the signal, and the loop enters the
-    /// terminal again.
+    /// and the script that has started it, if there is one. As soon as the script has stopped, the shell
+    /// writes its prompt. The program would still be on the alternate screen, and the prompt would be
+    /// lost there. So the program leaves the terminal first, and only then sends its job the signal that
+    /// Ctrl-Z stands for. Where no shell could continue the job, the system ignores the signal, and the
+    /// loop enters the terminal again.
     fn suspend(&self) -> io::Result<()> {
         // The first process of a container would not stop, but other processes of its job would.
         if process::id() == 1 {

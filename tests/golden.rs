@@ -1,5 +1,6 @@
-//! Pictures, compared byte for byte: with frames recorded from donut.c itself, and, at other sizes
-//! and with exact, with frames that this program has drawn before.
+//! Pictures, compared byte for byte. Those of classic at 80x22 are compared with frames recorded from
+//! donut.c itself. Other sizes, and the pictures of exact, are compared with frames that this program
+//! has drawn before.
 
 use std::fs;
 use std::process::Command;

@@ -201,6 +201,7 @@ fn completions_offer_the_names_of_the_colours_and_no_files() {
     for shell in [Shell::Bash, Shell::Zsh, Shell::Fish] {
         let script = completion(shell);
         assert!(color_names().iter().all(|name| script.contains(name)), "{shell}: {script}");
+        // In fish, an option with -r but without -f completes the names of files.
         for files in ["compgen -f", "-o default", "-o bashdefault", "_default", "_files", "-r\n"] {
             assert!(!script.contains(files), "{shell} has {files}: {script}");
         }

@@ -285,13 +285,14 @@ fn rays_between_a_hit_and_a_miss_are_right() {
     for (n, (r2, k2)) in (0..900).zip(SCENES.into_iter().cycle()) {
         let radius = apparent_radius(r2, k2);
         let (b, dy) = (random.between(0.0, 7.0), radius * random.between(-1.0, 1.0));
-        let [near, far] = [(); 2].map(|_| match n % 3 {
+        // The ends of the interval: the angle A and dx.
+        let [from, to] = [(); 2].map(|_| match n % 3 {
             0 => (random.between(0.0, 7.0), radius * random.between(-1.0, 1.0)),
             // Many rays graze a donut that is nearly edge-on, or that faces the viewer nearly squarely.
             1 => (FRAC_PI_2 + random.between(-1e-3, 1e-3), 0.0),
             _ => (random.between(-1e-3, 1e-3), radius * random.between(-1.0, 1.0)),
         });
-        let between = |t: f64| (near.0 + t * (far.0 - near.0), near.1 + t * (far.1 - near.1));
+        let between = |t: f64| (from.0 + t * (to.0 - from.0), from.1 + t * (to.1 - from.1));
         let look = |t: f64| {
             let (a, dx) = between(t);
             look(&Torus::new(r2, a, b), k2, dx, dy)
@@ -341,7 +342,8 @@ fn rays_that_touch_the_tube_twice_are_right() {
 
 /// With a large ring, the coefficient r of G is large, and so are its rounding errors. Next to where a
 /// ray grazes, G is then the same for many neighbouring s, and plain Newton steps may go to and fro
-/// between two of them for ever. Among the rays a few rounding errors away from these four, some do.
+/// between two of them for ever. This test takes four rays, and many others that differ from these by a
+/// few rounding errors. On some of them, plain Newton steps never end.
 #[test]
 fn rays_that_graze_a_large_ring_are_right() {
     let mut random = Random(2015);
@@ -379,7 +381,8 @@ fn rays_that_graze_a_large_ring_are_right() {
     }
 }
 
-/// The same ray when the donut is turned by B: the ray is turned with it.
+/// Takes a ray that was chosen for B = 0, and turns it by B together with the donut. So the ray meets
+/// the same points of the donut as before.
 fn turned([a, b, dx, dy]: [f64; 4]) -> [f64; 4] {
     [a, b, dx * b.cos() - dy * b.sin(), dx * b.sin() + dy * b.cos()]
 }
@@ -394,8 +397,8 @@ fn rays_whose_search_meets_minus_w_exactly_are_right() {
         let (r2, k2) = [(2.0, 5.0), (2.0, 1e6), (1.1, 5.0), (1.1, 50.0)][n % 4];
         let radius = apparent_radius(r2, k2);
         let [dx, dy] = [(); 2].map(|_| radius * random.between(-1.0, 1.0));
-        let [near, far, b] = [(); 3].map(|_| random.between(0.0, 7.0));
-        let angle = |t: f64| near + t * (far - near);
+        let [from, to, b] = [(); 3].map(|_| random.between(0.0, 7.0));
+        let angle = |t: f64| from + t * (to - from);
         // How far right of -w the search is where it begins, or after a step.
         let position = |t: f64| {
             let torus = Torus::new(r2, angle(t), b);
@@ -423,16 +426,15 @@ fn rays_whose_search_meets_minus_w_exactly_are_right() {
 /// bends one way round the tube, and the other way round the ring. Between these two directions there
 /// is one in which the surface does not bend. A ray in this direction meets the surface three times in
 /// one point, which is seen as a cusp of the outline.
-///
-/// `across` is the part of this direction that goes round the tube. At the point, s is -w and f is
-/// sin theta. For each unit of s, f grows by fu, which is cos theta times `across`. So f0, which is f at
-/// s = 0, is sin theta + w fu, and that is sin^3 theta.
 fn cusp((r2, k2): (f64, f64), theta: f64) -> (f64, f64, f64) {
     let (sin, cos) = theta.sin_cos();
-    // The surface bends by 1 round the tube, and by cos theta / h round the ring, where h is R2 + cos
-    // theta. In this direction the two cancel: across^2 + (1 - across^2) cos theta / h = 0. At the
-    // point, s is the dot product of P and U, which is -R2 sin theta times `across`. It has to be -w.
+    // `across` is the part of the direction that goes round the tube. The surface bends by 1 round the
+    // tube, and by cos theta / h round the ring, where h is R2 + cos theta. In this direction the two
+    // cancel: across^2 + (1 - across^2) cos theta / h = 0, so across^2 is -cos theta / R2.
     let across = (-cos / r2).sqrt();
+    // At the point, s is the dot product of P and U, which is -R2 sin theta times `across`. It has to be
+    // -w. There f is sin theta, and for each unit of s, f grows by fu. So f0, at s = 0, is sin theta +
+    // w fu, which is sin theta - sin theta cos^2 theta = sin^3 theta.
     let (f0, fu, w) = (sin.powi(3), cos * across, r2 * sin * across);
     let d0 = (r2 + cos).powi(2) + sin * sin - w * w;
     // From the viewer to P0.
@@ -548,8 +550,8 @@ proptest! {
         (width, height) in (1_usize..=70, 1_usize..=40),
         aspect in ASPECTS.0,
         (a, b) in (angle(), angle()),
-        // R2 is from 1.001 to 30. `gap` is how far the viewer is from the sphere round the donut, over
-        // its radius. So K2 is from 1.001 times this radius to 1e12.
+        // R2 is from 1.001 to 30. `gap` is the viewer's distance from the sphere round the donut,
+        // divided by the radius of the sphere. So K2 is from 1.001 times this radius to 1e12.
         r2 in (-3.0..=29_f64.log10()).prop_map(|exponent| 1.0 + 10_f64.powf(exponent)),
         gap in (-3.0..=10.5_f64).prop_map(|exponent| 10_f64.powf(exponent)),
     ) {

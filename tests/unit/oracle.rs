@@ -82,8 +82,8 @@ impl Oracle {
         }
     }
 
-    /// The ray's point in the plane through the torus's centre, and its unit direction, in the
-    /// torus's own coordinates.
+    /// Where the ray passes the torus's centre, at the same depth, and the ray's unit direction. Both
+    /// are in the torus's own coordinates.
     fn ray(&self, dx: f64, dy: f64) -> ([f64; 3], [f64; 3]) {
         let length = (dx * dx + dy * dy + 1.0).sqrt();
         let into = |v: [f64; 3]| self.axes.map(|axis| dot(axis, v));
@@ -98,8 +98,8 @@ impl Oracle {
             let from_axis = (p[0] * p[0] + p[1] * p[1]).sqrt();
             let from_ring = ((from_axis - self.r2).powi(2) + p[2] * p[2]).sqrt();
             // The second derivative of the distance is at most 1 / from_ring in a plane through the
-            // axis, and at most 1 / from_axis round the axis. So the smaller of the two is a safe
-            // radius.
+            // axis, and at most 1 / from_axis round the axis. So the smaller of from_ring and from_axis
+            // is a safe radius for `search`.
             (from_ring - r1, from_ring.min(from_axis))
         };
         let (nearest, reach) = (-dot(q, u), 1.001 * (r1 + self.r2));
@@ -108,11 +108,16 @@ impl Oracle {
 }
 
 /// The first t at which the distance is 0, between `middle - half` and `middle + half`. Intervals are
-/// halved down to `end`.
+/// halved until `half` is at most `least_half`.
 ///
 /// For a t, `measure` gives the distance, and a radius: the curve of the distance bends no more sharply
 /// there than a circle of this radius. If t changes by some amount, both change by that amount at most.
-fn search(measure: &impl Fn(f64) -> (f64, f64), middle: f64, half: f64, end: f64) -> Option<f64> {
+fn search(
+    measure: &impl Fn(f64) -> (f64, f64),
+    middle: f64,
+    half: f64,
+    least_half: f64,
+) -> Option<f64> {
     let (distance, radius) = measure(middle);
     let at_ends = || measure(middle - half).0.min(measure(middle + half).0);
     // In the whole interval, the radius is at least `radius - half`. If that is positive, the curve sags
@@ -120,12 +125,12 @@ fn search(measure: &impl Fn(f64) -> (f64, f64), middle: f64, half: f64, end: f64
     let sag = half * half / (2.0 * (radius - half));
     if distance > half || radius > half && at_ends() > sag {
         None
-    } else if half <= end {
+    } else if half <= least_half {
         Some(middle)
     } else {
         let half = half / 2.0;
-        search(measure, middle - half, half, end)
-            .or_else(|| search(measure, middle + half, half, end))
+        search(measure, middle - half, half, least_half)
+            .or_else(|| search(measure, middle + half, half, least_half))
     }
 }
 

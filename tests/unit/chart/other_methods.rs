@@ -107,14 +107,15 @@ macro_rules! closed_form {
             let y = (v - 2.0 / 3.0 * p).max(0.0);
             let alpha = y.sqrt();
             // This is gamma - beta. It equals q / alpha; but where alpha is almost 0, so is q, and
-            // rounding spoils their quotient. There, the square root of (beta + gamma)^2 -
-            // 4 beta gamma is taken.
+            // rounding spoils their quotient. There, the square root of (beta + gamma)^2 - 4 beta gamma
+            // is taken. Multiplying the factors out gives beta + gamma = p + y and beta gamma = r.
             let apart = if y < p.abs() / 8.0 {
                 ((p + y) * (p + y) - 4.0 * r).max(0.0).sqrt().copysign(q)
             } else {
                 q / alpha
             };
-            // The discriminants of the two factors. A factor with a negative one has no roots.
+            // The discriminants of the two factors: alpha^2 - 4 beta and alpha^2 - 4 gamma. A factor
+            // with a negative one has no roots.
             let (first, second) = (2.0 * (apart - p) - y, -2.0 * (apart + p) - y);
             let mut s = if first >= 0.0 {
                 (-alpha - first.sqrt()) / 2.0

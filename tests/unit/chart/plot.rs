@@ -87,7 +87,7 @@ impl<'a> Panel<'a> {
     /// x axis shows.
     fn new(
         area: &Area<'a>,
-        [title, up, right]: [&str; 3],
+        [title, y_title, x_title]: [&str; 3],
         x: &Axis,
         y: &Axis,
     ) -> Result<Panel<'a>> {
@@ -105,7 +105,7 @@ impl<'a> Panel<'a> {
             .clone();
         let panel = Panel { plane, scales: [x.scale, y.scale] };
         area.draw(&Text::new(title, (4, 0), font(17, &INK)))?;
-        area.draw(&Text::new(up, (4, 27), font(13, &INK)))?;
+        area.draw(&Text::new(y_title, (4, 27), font(13, &INK)))?;
         let ([left, end], [bottom, top]) = (x.range, y.range);
         for (at, mark) in &x.marks {
             panel.line(&[(*at, bottom), (*at, top)], GRID.stroke_width(1))?;
@@ -115,7 +115,7 @@ impl<'a> Panel<'a> {
             panel.line(&[(left, *at), (end, *at)], GRID.stroke_width(1))?;
             panel.label((left, *at), (-8, 0), Right, mark, &GREY)?;
         }
-        panel.label((end, bottom), (0, 33), Right, right, &INK)?;
+        panel.label((end, bottom), (0, 33), Right, x_title, &INK)?;
         Ok(panel)
     }
 
@@ -160,8 +160,8 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
     // Several names begin with "classic x1", and "classic x1" itself is the first of them.
     let [exact, classic, written] = ["exact", "classic x1", "donut.c"].map(|name| named(name)[0]);
     let title = "Exact is the fastest method without a wrong cell";
-    let up = "wrong cells, as % of the donut's cells (cube-root scale)";
-    let right = "time of a frame in µs, at 80x22 (logarithmic scale)";
+    let y_title = "wrong cells, as % of the donut's cells (cube-root scale)";
+    let x_title = "time of a frame in µs, at 80x22 (logarithmic scale)";
     let times = [10.0, 30.0, 100.0, 300.0, 1000.0];
     let x = Axis {
         scale: f64::log10,
@@ -176,7 +176,7 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
         marks: shares.map(|share| (share, format!("{share}%"))).into(),
     };
     chart(430, |area| {
-        let panel = Panel::new(area, [title, up, right], &x, &y)?;
+        let panel = Panel::new(area, [title, y_title, x_title], &x, &y)?;
         // A line through classic with longer and shorter steps.
         let mut steps = named("classic ");
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -246,10 +246,10 @@ pub fn clock(errors: &[(u32, f64)]) -> Result<String> {
         marks: turns.map(|(turns, name)| (turns, name.to_string())).into(),
     };
     let title = "donut.c's angle A is a whole turn off in two hours";
-    let up = "largest error of A so far, in turns (logarithmic scale)";
-    let right = "running time, at 30 frames a second (logarithmic scale)";
+    let y_title = "largest error of A so far, in turns (logarithmic scale)";
+    let x_title = "running time, at 30 frames a second (logarithmic scale)";
     chart(360, |area| {
-        let panel = Panel::new(area, [title, up, right], &x, &y)?;
+        let panel = Panel::new(area, [title, y_title, x_title], &x, &y)?;
         let points: Vec<_> = errors
             .iter()
             .map(|&(frame, error)| (f64::from(frame), error / std::f64::consts::TAU))
