@@ -385,8 +385,8 @@ fn run(options: &Options) -> io::Result<()> {
 
 impl Animation<'_> {
     /// donut.c's `for (;;)`. In a pipe, there is nothing to do but to draw each frame when it is due. On
-    /// a terminal, the loop also looks for signals, keys and a new size, and in most of its rounds no
-    /// frame is due.
+    /// a terminal, the loop also looks for signals, keys and a new size, at least every POLL_INTERVAL.
+    /// So in some of its rounds no frame is due, for example while the donut is paused.
     ///
     /// The program *enters* a terminal before it draws there, and *leaves* the terminal when it ends or
     /// stops. To enter is to clear the screen, to hide the cursor, and to have each key sent at once and
@@ -1366,10 +1366,11 @@ impl Console {
     /// Waits until standard output takes more bytes, but no longer than POLL_INTERVAL. Then `write`
     /// tries again. `start` is when it began to write.
     ///
-    /// A terminal whose window hangs may never take another byte. So if a signal asks the program to
-    /// end, this function makes room: it discards the output that the terminal has not read yet. If
-    /// `write` has taken longer than POLL_INTERVAL all the same, this function returns an error. If a
-    /// frame was to be written, the error ends the loop, and `leave` then tries again to make room.
+    /// A terminal whose window hangs may never take another byte. So once a signal asks the program to
+    /// end, this function makes room: it discards the output that the terminal has not read yet. But if
+    /// `write` began longer than POLL_INTERVAL ago, this function returns an error instead. If a frame
+    /// was being written, the error ends the loop. `leave` then begins a write of its own, which makes
+    /// room.
     fn wait_for_room(&self, start: Instant) -> io::Result<()> {
         if self.end_signal.load(SeqCst) != 0 {
             if start.elapsed() >= POLL_INTERVAL {

@@ -743,7 +743,8 @@ fn timeout_ends_it_in_the_foreground_and_in_the_background() {
 
 #[test]
 fn it_ends_when_the_terminal_goes_even_without_sighup() {
-    // A program that ignores SIGHUP passes this on to the programs that it starts.
+    // When the terminal goes, the first process of its session gets a SIGHUP. With this command, that is
+    // the shell, which ignores the signal. So the donut gets none.
     let ignoring_sighup = |options| format!("trap '' HUP; {DONUT} {options}; exit $?");
     for (command, key) in [
         (format!("exec {DONUT} --fps=5"), &b"x"[..]),
@@ -759,8 +760,8 @@ fn it_ends_when_the_terminal_goes_even_without_sighup() {
         pty.type_bytes(key);
         sleep(Duration::from_millis(300));
         pty.hang_up();
-        // The first process of a session gets a SIGHUP, but it may notice first that the terminal is
-        // gone.
+        // After `exec`, the donut itself is the first process, and gets a SIGHUP. But it may notice
+        // first that the terminal is gone.
         let code = pty.exit();
         assert!(code == 1 || (code == 129 && command.starts_with("exec")), "{code}: {command}");
     }
@@ -955,7 +956,8 @@ fn losing_the_terminal_of_the_keys_restores_that_of_the_picture() {
     let mut pty = Pty::run_unread("sh", &["-c", &command], (80, 24), "xterm");
     shown.wait_for("a frame", |shown| frames(shown) > 0);
     pty.hang_up();
-    // It gets a SIGHUP, but it may notice first that the terminal is gone.
+    // After `exec`, the donut is the first process of its session, so it gets a SIGHUP. It handles the
+    // signal, although the shell has ignored it. But it may notice first that the terminal is gone.
     assert!([1, 129].contains(&pty.exit()));
     shown.assert_restored();
 }

@@ -82,8 +82,8 @@ impl Oracle {
         }
     }
 
-    /// Where the ray passes the torus's centre, at the same depth, and the ray's unit direction. Both
-    /// are in the torus's own coordinates.
+    /// The point of the ray that is as far in front of the viewer as the torus's centre, along the z
+    /// axis, and the ray's unit direction. Both are in the torus's own coordinates.
     fn ray(&self, dx: f64, dy: f64) -> ([f64; 3], [f64; 3]) {
         let length = (dx * dx + dy * dy + 1.0).sqrt();
         let into = |v: [f64; 3]| self.axes.map(|axis| dot(axis, v));
