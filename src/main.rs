@@ -760,9 +760,10 @@ fn sin_cos(angle: f32) -> (f32, f32) {
 
 /// The whole part of a value from 0 to 2^23.
 ///
-/// This is `value as u32`, but in plain arithmetic, which every compiler target vectorises. From 2^23 to
-/// 2^24 floats are 1 apart. So adding 2^23 rounds the value to a whole number, and leaves this number in
-/// the low bits of the sum. If it was rounded up, it is one too large.
+/// This is `value as u32`, but in plain arithmetic, which the compiler vectorises even if the processor
+/// has no vector instruction for the cast. From 2^23 to 2^24 floats are 1 apart. So adding 2^23 rounds
+/// the value to a whole number, and leaves this number in the low bits of the sum. If it was rounded up,
+/// it is one too large.
 fn floor(value: f32) -> u32 {
     const WHOLE: f32 = 8_388_608.0;
     let rounded = value + WHOLE;
@@ -1068,9 +1069,9 @@ impl Escapes {
 /// A shell lends the terminal to one of its jobs at a time. This job is in the *foreground*. A job that
 /// was started with `&`, or continued with `bg`, is in the *background*. If such a job reads keys or
 /// changes the terminal's settings, the system stops it. So in the background the program does nothing
-/// but wait.
+/// but leave the terminal and wait.
 struct Console {
-    /// Standard output, without a buffer. If it is a terminal, writing does not block.
+    /// Standard output, without a buffer. See `open_stdout`.
     stdout: File,
     is_terminal: bool,
     /// Whether TERM is `dumb`. Then there are no escape codes and no keys.
@@ -1400,7 +1401,8 @@ fn wait_until_ready(file: &File, events: i16, time: Duration) -> bool {
     ready.is_ok_and(|count| count > 0)
 }
 
-/// The value that disables a special key, such as the one that stops a job (_POSIX_VDISABLE).
+/// The value that disables a special key, such as the one that stops a job (_POSIX_VDISABLE). It is 0 on
+/// Linux, and 0xff on macOS and the BSDs.
 #[cfg(unix)]
 const NO_KEY: u8 = if cfg!(any(target_os = "linux", target_os = "android")) { 0 } else { 0xff };
 

@@ -699,7 +699,7 @@ fn a_background_donut_can_be_killed_and_leaves_the_screen_to_the_shell() {
         if cfg!(target_os = "linux") {
             pty.wait_for("its handlers", Pty::has_sigterm_handler);
         } else {
-            // Only the ps of Linux tells which signals are caught.
+            // The ps of macOS does not tell which signals are caught.
             sleep(Duration::from_secs(1));
         }
     };

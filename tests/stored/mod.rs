@@ -1,6 +1,7 @@
 //! Files of the source tree that are made by the program or from its options, such as pictures,
 //! tables and completions. These files are stored so that nobody has to make them before reading or
-//! packing them. The tests make each of them again, and fail where the stored one is out of date.
+//! packing them. The tests make these files again, all but the measured times, and fail where a
+//! stored one is out of date.
 
 use std::{env, fs};
 

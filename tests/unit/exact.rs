@@ -67,8 +67,8 @@ fn assert_cell(
     assert_eq!((drawn, verdict), (expected, Verdict::Right), "A {a}, B {b}: ({column}, {row})");
 }
 
-/// Somewhere between 0 and 1, `is_past` changes from false to true. This finds two neighbouring numbers
-/// with the change between them, by halving the interval again and again.
+/// Somewhere between 0 and 1, `is_past` changes from false to true. This halves the interval again and
+/// again, and finds two numbers with the change between them, which are at most 2^-53 apart.
 fn bisect(mut is_past: impl FnMut(f64) -> bool) -> [f64; 2] {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..60 {
