@@ -166,7 +166,7 @@ struct Options {
     /// Columns [default: all, or 80 in a pipe]
     ///
     /// From 1 to 4096, but on a terminal no more than its columns. donut.c
-    /// writes a newline in place of the first column, so that stays empty.
+    /// writes a newline in place of the first column, which stays empty.
     #[arg(long, value_name = "COLS", value_parser = within(SIZES), verbatim_doc_comment)]
     width: Option<u16>,
     /// Rows [default: all but 2, or 22 in a pipe]
@@ -1297,14 +1297,15 @@ impl Console {
     ///
     /// An arrow key, for one, sends a code: an ESC and more bytes. When an earlier program has asked the
     /// terminal something, the answer may still come, and it is such a code as well. A code may arrive
-    /// in pieces. So an ESC is dropped together with everything that follows it within ESCAPE_TIME. An
-    /// ESC alone is the Esc key, and so are several of them, if the key is held down.
+    /// in pieces. So ESCAPE_TIME after an ESC, this function reads once more, and drops what it has read
+    /// from the ESC on. But an ESC alone is the Esc key, and so are several of them, if the key is held
+    /// down.
     fn keys(&self) -> io::Result<Vec<u8>> {
         let mut tty = match &self.tty {
             Some(tty) if self.wait(Duration::ZERO)? => tty,
             _ => return Ok(Vec::new()),
         };
-        let mut bytes = [0; 4096]; // On Linux, one read from a terminal returns no more.
+        let mut bytes = [0; 4096]; // What is left is read in the next round.
         let mut keys = match tty.read(&mut bytes)? {
             0 => return Err(Errno::IO.into()), // The terminal is gone.
             count => bytes[..count].to_vec(),
@@ -1357,21 +1358,17 @@ impl Console {
             return Ok(());
         }
         self.leave()?;
-        // A signal that has come with the Ctrl-Z ends the program at once, not when it is continued.
-        if self.end_signal.load(SeqCst) == 0 {
-            kill_current_process_group(Signal::TSTP)?;
-        }
-        Ok(())
+        Ok(kill_current_process_group(Signal::TSTP)?)
     }
 
     /// Waits until standard output takes more bytes, but no longer than POLL_INTERVAL. Then `write`
     /// tries again. `start` is when it began to write.
     ///
     /// A terminal whose window hangs may never take another byte. So once a signal asks the program to
-    /// end, this function makes room: it discards the output that the terminal has not read yet. But if
-    /// `write` began longer than POLL_INTERVAL ago, this function returns an error instead. If a frame
-    /// was being written, the error ends the loop. `leave` then begins a write of its own, which makes
-    /// room.
+    /// end, this function makes room: it discards the output that the terminal has not read yet. But
+    /// even that may not help. So once a write has taken POLL_INTERVAL, this function gives it up with
+    /// an error. If that was a frame, the error ends the loop, and `leave` begins a write of its own,
+    /// which has its own time to make room.
     fn wait_for_room(&self, start: Instant) -> io::Result<()> {
         if self.end_signal.load(SeqCst) != 0 {
             if start.elapsed() >= POLL_INTERVAL {

@@ -178,8 +178,9 @@ fn clock_errors() -> Vec<(f64, f64)> {
 ///
 /// For example, the README says "After 31 hours the numbers are so coarse". The entry for it is `("After
 /// # hours the numbers", hours(faster))`. The words on both sides of the `#` find the figure 31. The
-/// value is 30.97, which is compared with the same number of decimals as the figure has, here none. Line
-/// breaks in the README do not matter. Where the words occur more than once, the first place counts.
+/// value is 30.97. It is rounded to as many decimals as the figure has, here none, and must then equal
+/// the figure. Line breaks in the README do not matter. Where the words occur more than once, the first
+/// place counts.
 fn figures() -> Vec<(&'static str, f64)> {
     let [one_shade, more_shades, holes, extra] =
         ["one shade off", "more shades off", "holes", "extra outline"].map(wrong_in_classic);

@@ -481,7 +481,7 @@ fn rays_that_lead_the_search_astray_are_right() {
         let mut tally = Tally::default();
         judge(&mut tally, scene, ray);
         assert_eq!((tally.drawn, tally.wrong() + tally.ties), (1, 0), "{scene:?} {ray:?}");
-        // The rays that are followed beside this one hit where they hit without it.
+        // This ray must not disturb the rays that are followed beside it.
         let ((r2, k2), [a, b, dx, dy]) = (scene, ray);
         let (torus, radius) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
         let rays = std::array::from_fn(|i| torus.ray(dx + 0.1 * radius * i as f64, dy, k2));

@@ -27,8 +27,8 @@ mod stored;
 use super::*;
 use oracle::{Oracle, Verdict};
 
-/// donut.c's view, with each cell divided into `scale` by `scale` cells. The program itself never
-/// draws this view: it fits the donut to the size that `--width` and `--height` ask for, as
+/// donut.c's view, with each cell divided into `scale` by `scale` cells. Above a
+/// scale of 1, the program itself never draws this view: it fits the donut to the size that `--width` and `--height` ask for, as
 /// `fitted` does.
 fn enlarged(scale: usize) -> View {
     let View { r2, k2, width, height, .. } = View::DONUT_C;
