@@ -1074,7 +1074,8 @@ struct Console {
     /// Standard output, without a buffer. See `open_stdout`.
     stdout: File,
     is_terminal: bool,
-    /// Whether TERM is `dumb`. Then there are no escape codes and no keys.
+    /// Whether standard output is a terminal whose TERM is `dumb`. Then there are no escape codes and no
+    /// keys.
     is_dumb: bool,
     escapes: Escapes,
     color: Option<Color>,
@@ -1414,12 +1415,12 @@ fn open_stdout(is_terminal: bool) -> io::Result<File> {
     if is_terminal {
         let path = match termios::tcgetpgrp(&stdout) {
             // Standard output is not the controlling terminal.
-            Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new())?,
+            Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
             // Under this name, everybody may open the terminal, even after `su`.
-            _ => c"/dev/tty".into(),
+            _ => Ok(c"/dev/tty".into()),
         };
         let flags = OFlags::WRONLY | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
-        if let Ok(terminal) = fs::open(path, flags, Mode::empty()) {
+        if let Ok(terminal) = path.and_then(|path| fs::open(path, flags, Mode::empty())) {
             return Ok(terminal.into());
         }
     }

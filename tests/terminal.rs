@@ -1005,6 +1005,22 @@ fn keys_come_from_standard_input_where_the_session_has_no_terminal() {
 }
 
 #[cfg(target_os = "linux")]
+#[cfg(target_os = "linux")]
+#[test]
+fn a_terminal_whose_name_cannot_be_found_is_drawn_on() {
+    let unshare = "unshare --user --map-root-user --mount sh -c";
+    let is_allowed = Command::new("sh").args(["-c", &format!("{unshare} true")]).status();
+    if !is_allowed.unwrap().success() {
+        println!("not tested: this machine does not let us hide the terminals' names");
+        return;
+    }
+    let command = format!("mount -t tmpfs none /dev/pts && setsid -w {DONUT} --frames=1");
+    let command = format!("{unshare} '{command}'; exit $?");
+    let mut pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
+    assert_eq!(pty.exit(), 0);
+    assert!(frames(&pty) > 0);
+}
+
 #[test]
 fn without_any_keys_it_still_obeys_signals() {
     use std::os::unix::process::ExitStatusExt;
