@@ -407,6 +407,16 @@ fn is_installed(shell: &str) -> bool {
     is_installed
 }
 
+/// Whether this machine allows this command. If it does not, the test is skipped, and this says so.
+#[cfg(target_os = "linux")]
+fn is_allowed(command: &str) -> bool {
+    let is_allowed = Command::new("sh").args(["-c", command]).status().unwrap().success();
+    if !is_allowed {
+        println!("not tested: this machine does not allow {command}");
+    }
+    is_allowed
+}
+
 #[test]
 fn the_prompt_is_below_the_picture_where_there_is_no_alternate_screen() {
     let mut pty = still_donut((80, 24));
@@ -577,9 +587,7 @@ fn ctrl_z_does_nothing_where_no_shell_could_continue_it() {
 #[test]
 fn in_a_pid_namespace_ctrl_z_stops_it_unless_it_is_the_first_process() {
     let unshare = "unshare --user --map-root-user --pid --fork";
-    let is_allowed = Command::new("sh").args(["-c", &format!("{unshare} true")]).status();
-    if !is_allowed.unwrap().success() {
-        println!("not tested: this machine does not let us make a pid namespace");
+    if !is_allowed(&format!("{unshare} true")) {
         return;
     }
     // Here the donut is the first process of its namespace, and signals do not stop that process.
@@ -1005,22 +1013,21 @@ fn keys_come_from_standard_input_where_the_session_has_no_terminal() {
 }
 
 #[cfg(target_os = "linux")]
-#[cfg(target_os = "linux")]
 #[test]
 fn a_terminal_whose_name_cannot_be_found_is_drawn_on() {
-    let unshare = "unshare --user --map-root-user --mount sh -c";
-    let is_allowed = Command::new("sh").args(["-c", &format!("{unshare} true")]).status();
-    if !is_allowed.unwrap().success() {
-        println!("not tested: this machine does not let us hide the terminals' names");
+    let unshare = "unshare --user --map-root-user --mount";
+    let hide_names = "mount -t tmpfs none /dev/pts";
+    if !is_allowed(&format!("{unshare} {hide_names}")) {
         return;
     }
-    let command = format!("mount -t tmpfs none /dev/pts && setsid -w {DONUT} --frames=1");
-    let command = format!("{unshare} '{command}'; exit $?");
+    let run = format!("{hide_names} && setsid -w {DONUT} --frames=1");
+    let command = format!("{unshare} sh -c '{run}'; exit $?");
     let mut pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
     assert_eq!(pty.exit(), 0);
     assert!(frames(&pty) > 0);
 }
 
+#[cfg(target_os = "linux")]
 #[test]
 fn without_any_keys_it_still_obeys_signals() {
     use std::os::unix::process::ExitStatusExt;
