@@ -65,8 +65,7 @@
 //! normal and the vector (0, -1, -1), which points at the light, above and behind the viewer. This
 //! vector is sqrt 2 long, so L is at most 1.41. donut.c multiplies L by 8, which gives at most 11.3. The
 //! whole part of 8 L is an index, from 0 to 11, into a ramp of twelve characters from dark to bright,
-//! `.,-~:;=!*#$@`. Where L is negative, the surface faces away
-//! from the light, and the index is 0.
+//! `.,-~:;=!*#$@`. Where L is negative, the surface faces away from the light, and the index is 0.
 //!
 //! # Two methods
 //!
@@ -773,8 +772,8 @@ fn floor(value: f32) -> u32 {
 
 // ---- exact: rays and a torus ---------------------------------------------------------------------
 
-/// How many rays are followed side by side. The compiler turns a loop over them into
-/// vector instructions, and while one ray waits for a division, others go on.
+/// How many rays are followed side by side. The compiler turns a loop over them into vector
+/// instructions, and while one ray waits for a division, others go on.
 const LANES: usize = 8;
 /// One number for each of these rays.
 type Lanes = [f64; LANES];
@@ -788,9 +787,9 @@ const MISS: f64 = f64::INFINITY;
 /// runs along the surface, and 1e-8 further on, its distance from the surface is still the same to
 /// within rounding.
 const LAST_STEP: f64 = 1e-8;
-/// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be
-/// exactly a whole number, and the computed one is then just below it or just above it. With this added,
-/// all machines choose the brighter of the two glyphs.
+/// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly a
+/// whole number, and the computed one is then just below it or just above it. With this added, all
+/// machines choose the brighter of the two glyphs.
 const TIE_BIAS: f64 = 1e-12;
 
 /// The donut of one frame.
