@@ -76,8 +76,9 @@
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
 use std::f64::consts::TAU;
+use std::fmt::Display;
 use std::fs::File;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::ops::RangeInclusive;
 use std::process::{self, ExitCode};
 use std::str::FromStr;
@@ -87,27 +88,12 @@ use std::time::{Duration, Instant};
 use std::{env, panic, thread};
 
 use clap::error::ErrorKind;
-use clap::{Arg, CommandFactory, Parser, ValueEnum, ValueHint};
-use crossterm::style::{self, Color, SetForegroundColor};
-#[cfg(windows)]
-use {
-    crossterm::event::{self, KeyCode},
-    std::os::windows::io::AsHandle,
-};
-#[cfg(unix)]
-use {
-    filedescriptor::{POLLIN, POLLOUT, poll, pollfd},
-    rustix::fs::{self, Mode, OFlags},
-    rustix::io::Errno,
-    rustix::process::{Signal, getpgrp, kill_current_process_group},
-    rustix::termios::{
-        self, Action, LocalModes, OptionalActions, QueueSelector, SpecialCodeIndex, Termios,
-    },
-    signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTERM},
-    signal_hook::{flag, low_level},
-    std::io::Read,
-    std::os::fd::{AsFd, AsRawFd},
-    std::sync::Mutex,
+use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
+use crossterm::cursor::{Hide, Show};
+use crossterm::queue;
+use crossterm::style::{self, Color, ResetColor, SetForegroundColor};
+use crossterm::terminal::{
+    BeginSynchronizedUpdate, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
 };
 
 // ---- Options -------------------------------------------------------------------------------------
@@ -120,32 +106,38 @@ use {
 /// until you press Ctrl-C, or for as many frames as --frames says.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
-// A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`.
-#[command(args_override_self = true, mut_args(configure_option))]
+// A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`. Angles may be
+// negative, and completions must not offer file names as values.
+#[command(args_override_self = true)]
+#[command(mut_args(|option| option.allow_hyphen_values(true).value_hint(ValueHint::Other)))]
 struct Options {
     /// Frames per second; 0 means no limit
     ///
     /// From 0 to 1000. At 60, the donut spins twice as fast as at 30.
-    #[arg(long, value_name = "N", default_value = "30", value_parser = within(RATES))]
+    #[arg(long, help_heading = "Motion", value_name = "N")]
+    #[arg(default_value = "30", value_parser = within(0.0..=1000.0))]
     fps: f64,
     /// Stop after N frames; the last one stays on the screen
     ///
     /// On a terminal, the screen is cleared, the frames are drawn from its
     /// top, and the prompt comes below the last one.
-    #[arg(long, value_name = "N", value_parser = within(COUNTS), verbatim_doc_comment)]
+    #[arg(long, help_heading = "Motion", value_name = "N", verbatim_doc_comment)]
+    #[arg(value_parser = within(0..=1_000_000_000_000_u64))]
     frames: Option<u64>,
     /// Rotation per frame, in radians
     ///
     /// DA is about the x axis, which points right. DB is about the z axis,
-    /// which points away from you. Both are from -1e9 to 1e9.
-    #[arg(long, value_name = "DA,DB", default_value = "0.04,0.02", value_parser = parse_angles)]
-    #[arg(verbatim_doc_comment)]
+    /// which points away from you. Both are from -1000000000 to 1000000000.
+    #[arg(long, help_heading = "Motion", value_name = "DA,DB", verbatim_doc_comment)]
+    #[arg(default_value = "0.04,0.02", value_parser = parse_angles)]
     spin: [f64; 2],
     /// Starting angle about the x axis, in radians
-    #[arg(short = 'A', value_name = "RAD", default_value = "0", value_parser = within(ANGLES))]
+    #[arg(short = 'A', help_heading = "Motion", value_name = "RAD")]
+    #[arg(default_value = "0", value_parser = within(ANGLES))]
     a: f64,
     /// Starting angle about the z axis, in radians
-    #[arg(short = 'B', value_name = "RAD", default_value = "0", value_parser = within(ANGLES))]
+    #[arg(short = 'B', help_heading = "Motion", value_name = "RAD")]
+    #[arg(default_value = "0", value_parser = within(ANGLES))]
     b: f64,
     /// How to draw
     ///
@@ -153,43 +145,50 @@ struct Options {
     /// donut.c, its angles lose precision with time. With the default
     /// --spin, too little is left after 31 hours at 30 frames a second. Then
     /// auto switches to exact, and the donut's outline gets thinner.
-    #[arg(long, value_enum, default_value_t, hide_default_value = true, verbatim_doc_comment)]
-    method: MethodOption,
+    #[arg(long, help_heading = "Look", verbatim_doc_comment)]
+    #[arg(value_enum, default_value_t, hide_default_value = true)]
+    method: Method,
     /// Colour: a name, 0 to 255, or '#rrggbb'
     ///
     /// The # may be left out. The names are black, dark_grey, grey, white,
     /// red, green, yellow, blue, magenta, cyan, dark_red, dark_green,
     /// dark_yellow, dark_blue, dark_magenta and dark_cyan.
-    #[arg(long, alias = "colour", value_parser = parse_color, verbatim_doc_comment)]
+    #[arg(long, alias = "colour", help_heading = "Look", verbatim_doc_comment)]
+    #[arg(value_parser = parse_color)]
     color: Option<Color>,
     /// Columns [default: all, or 80 in a pipe]
     ///
     /// From 1 to 4096, but on a terminal no more than its columns. donut.c
     /// writes a newline in place of the first column, which stays empty.
-    #[arg(long, value_name = "COLS", value_parser = within(SIZES), verbatim_doc_comment)]
+    #[arg(long, help_heading = "Size", value_name = "COLS", verbatim_doc_comment)]
+    #[arg(value_parser = within(SIZES))]
     width: Option<u16>,
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
     /// From 1 to 4096, but on a terminal no more than its rows minus 2.
-    #[arg(long, value_name = "ROWS", value_parser = within(SIZES))]
+    #[arg(long, help_heading = "Size", value_name = "ROWS", value_parser = within(SIZES))]
     height: Option<u16>,
     /// Height of a cell divided by its width
     ///
     /// From 0.1 to 10. A cell is the place of one character.
-    #[arg(long, value_name = "RATIO", default_value = "2", value_parser = within(ASPECTS))]
+    #[arg(long, help_heading = "Size", value_name = "RATIO")]
+    #[arg(default_value = "2", value_parser = within(0.1..=10.0))]
     aspect: f64,
     /// Radius of the tube
     ///
-    /// In any unit. All lengths are from 0.000001 to 1000000.
-    #[arg(long, value_name = "R", default_value = "1", value_parser = within(LENGTHS))]
+    /// In any unit, from 0.000001 to 10000.
+    #[arg(long, help_heading = "Geometry", value_name = "R")]
+    #[arg(default_value = "1", value_parser = within(1e-6..=1e4))]
     r1: f64,
     /// Radius of the ring, 1.001 to 30 times --r1
-    #[arg(long, value_name = "R", default_value = "2", value_parser = within(LENGTHS))]
+    #[arg(long, help_heading = "Geometry", value_name = "R")]
+    #[arg(default_value = "2", value_parser = within(LENGTHS))]
     r2: f64,
     /// Distance from you to the centre of the donut
     ///
     /// At least 1.001 times the sum of --r1 and --r2.
-    #[arg(long, value_name = "D", default_value = "5", value_parser = within(LENGTHS))]
+    #[arg(long, help_heading = "Geometry", value_name = "D")]
+    #[arg(default_value = "5", value_parser = within(LENGTHS))]
     k2: f64,
 }
 
@@ -204,8 +203,8 @@ Examples:
   donut --fps 60 --spin 0.02,0.01   # smoother, at the same speed
   donut -A 1 -B 1 --color cyan";
 
-#[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
-enum MethodOption {
+#[derive(Clone, Copy, Debug, Default, PartialEq, ValueEnum)]
+enum Method {
     /// Default: classic for donut.c's own picture, else exact
     #[default]
     Auto,
@@ -215,34 +214,20 @@ enum MethodOption {
     Exact,
 }
 
-/// Sets an option's heading in the help, and what all options have in common.
-fn configure_option(option: Arg) -> Arg {
-    let heading = match option.get_id().as_str() {
-        "fps" | "frames" | "spin" | "a" | "b" => "Motion",
-        "method" | "color" => "Look",
-        "width" | "height" | "aspect" => "Size",
-        _ => "Geometry",
-    };
-    // Angles may be negative, and completions must not offer file names as values.
-    option.help_heading(heading).allow_hyphen_values(true).value_hint(ValueHint::Other)
-}
+const SIZES: RangeInclusive<u16> = 1..=4096;
+const ANGLES: RangeInclusive<f64> = -1e9..=1e9;
+const LENGTHS: RangeInclusive<f64> = 1e-6..=1e6;
 
-/// The numbers that an option takes: as a range, and in words for the error message.
-type Numbers<T> = (RangeInclusive<T>, &'static str);
-const RATES: Numbers<f64> = (0.0..=1000.0, "a number from 0 to 1000");
-const COUNTS: Numbers<u64> = (0..=u64::MAX, "a whole number from 0 to 2^64 - 1");
-const SIZES: Numbers<u16> = (1..=4096, "a whole number from 1 to 4096");
-const ANGLES: Numbers<f64> = (-1e9..=1e9, "an angle in radians, such as 1.57 (at most 1e9)");
-const ASPECTS: Numbers<f64> = (0.1..=10.0, "a number from 0.1 to 10");
-const LENGTHS: Numbers<f64> = (1e-6..=1e6, "a number from 0.000001 to 1000000");
-
-/// A parser for the numbers in this range.
-fn within<T: FromStr + PartialOrd + Clone>(
-    (range, words): Numbers<T>,
+/// A parser for the numbers in a range.
+fn within<T: FromStr + PartialOrd + Display + Clone>(
+    range: RangeInclusive<T>,
 ) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let number = text.parse().ok().filter(|number| range.contains(number));
-        number.ok_or_else(|| format!("expected {words}"))
+        // Only a type of whole numbers has no 0.5.
+        let kind = if "0.5".parse::<T>().is_ok() { "number" } else { "whole number" };
+        let (least, most) = (range.start(), range.end());
+        number.ok_or_else(|| format!("expected a {kind} from {least} to {most}"))
     }
 }
 
@@ -276,20 +261,17 @@ const RING_RATIOS: RangeInclusive<f64> = 1.001..=30.0;
 /// the view.
 const LEAST_DISTANCE_RATIO: f64 = 1.001;
 
-/// Undoes the rounding of a product or quotient of two lengths, where the exact value is evident.
-///
-/// Most decimal fractions have no exact binary form, so 0.35 / 0.07 is slightly less than 5 in f64, and
-/// 1.001 * 3 is slightly less than 3.003. If a number with at most six decimals is within a relative
-/// 1e-15 of the result, that number was meant.
-fn unrounded(result: f64) -> f64 {
-    let rounded = (1e6 * result).round() / 1e6;
-    if (result - rounded).abs() < 1e-15 * result { rounded } else { result }
+/// Undoes the rounding of a product or quotient of two lengths: in f64, 0.35 / 0.07 is slightly less than
+/// 5. A number with at most six decimals was meant if it is within a relative 1e-15 of the result.
+fn snap_to_decimal(result: f64) -> f64 {
+    let decimal = (1e6 * result).round() / 1e6;
+    if (result - decimal).abs() < 1e-15 * result { decimal } else { result }
 }
 
 impl Options {
     /// R2 and K2 in units of R1.
     fn proportions(&self) -> (f64, f64) {
-        (unrounded(self.r2 / self.r1), unrounded(self.k2 / self.r1))
+        (snap_to_decimal(self.r2 / self.r1), snap_to_decimal(self.k2 / self.r1))
     }
 
     /// What is wrong with options that are allowed one by one, but not together.
@@ -297,13 +279,13 @@ impl Options {
         let &Options { r1, r2, k2, .. } = self;
         let (least, most) = (RING_RATIOS.start(), RING_RATIOS.end());
         if !RING_RATIOS.contains(&self.proportions().0) {
-            let [from, to] = [least, most].map(|ratio| unrounded(ratio * r1));
+            let [from, to] = [least, most].map(|ratio| snap_to_decimal(ratio * r1));
             Some(format!("--r2 is {r2}, but must be {from} to {to}: {least} to {most} times --r1"))
-        } else if unrounded(k2 / (r1 + r2)) < LEAST_DISTANCE_RATIO {
-            let from = unrounded(LEAST_DISTANCE_RATIO * (r1 + r2));
+        } else if snap_to_decimal(k2 / (r1 + r2)) < LEAST_DISTANCE_RATIO {
+            let from = snap_to_decimal(LEAST_DISTANCE_RATIO * (r1 + r2));
             let rule = format!("{LEAST_DISTANCE_RATIO} times the sum of --r1 and --r2");
             Some(format!("--k2 is {k2}, but must be at least {from}: {rule}"))
-        } else if self.method == MethodOption::Classic && self.proportions() != (2.0, 5.0) {
+        } else if self.method == Method::Classic && self.proportions() != (2.0, 5.0) {
             let rule = "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5";
             Some(format!("{rule}, but these are {r1}, {r2} and {k2}"))
         } else {
@@ -317,9 +299,8 @@ impl Options {
         let (width, height) = match terminal {
             None => (self.width.unwrap_or(80), self.height.unwrap_or(22)),
             Some((columns, rows)) => {
-                let most = *SIZES.0.end();
                 // One row stays free above the picture, and one below it.
-                let (columns, rows) = (columns.min(most), rows.saturating_sub(2).clamp(1, most));
+                let rows = rows.saturating_sub(2).max(1);
                 (self.width.unwrap_or(columns).min(columns), self.height.unwrap_or(rows).min(rows))
             }
         };
@@ -345,187 +326,110 @@ fn main() -> ExitCode {
 
 // ---- The loop ------------------------------------------------------------------------------------
 
-struct Animation<'a> {
-    options: &'a Options,
-    console: Arc<Console>,
-    /// The terminal's columns and rows when the renderer was made, or `None` where there is no terminal.
-    size: Option<(u16, u16)>,
-    clock: Clock,
-    renderer: Renderer,
-    /// How many frames have come due so far. A frame that is drawn again, for example after a new size,
-    /// counts once.
-    frames_due: u64,
-    /// When the next frame is due, unless the donut is paused.
-    deadline: Instant,
-    is_paused: bool,
-}
-
 /// Spins the donut until the last frame is drawn, somebody ends it, or its reader goes away.
 fn run(options: &Options) -> io::Result<()> {
     let console = Console::open(options)?;
-    let size = console.size()?;
-    let view = options.view(size);
-    let clock = Clock { start: [options.a, options.b], ticks: 0, spin: options.spin };
-    let renderer = Renderer::new(view, choose_method(options.method, &view, &clock), RAMP);
-    let mut animation = Animation {
-        options,
-        console: console.clone(),
-        size,
-        clock,
-        renderer,
-        frames_due: 0,
-        deadline: Instant::now(),
-        is_paused: false,
-    };
-    let (played, restored) = (animation.play(), console.leave());
+    let (played, left) = (play(options, console), console.leave());
     console.end_by_signal();
-    played.and(restored)
+    played.and(left)
 }
 
-impl Animation<'_> {
-    /// donut.c's `for (;;)`. In a pipe, there is nothing to do but to draw each frame when it is due. On
-    /// a terminal, the loop also looks for signals, keys and a new size, at least every POLL_INTERVAL.
-    /// So in some of its rounds no frame is due, for example while the donut is paused.
-    ///
-    /// The program *enters* a terminal before it draws there, and *leaves* the terminal when it ends or
-    /// stops. To enter is to clear the screen, to hide the cursor, and to have each key sent at once and
-    /// not echoed. To leave is to undo all this. See `Console`.
-    fn play(&mut self) -> io::Result<()> {
-        let console = self.console.clone();
-        // On a dumb terminal further frames would only scroll by.
-        let last = self.options.frames.unwrap_or(if console.is_dumb { 1 } else { u64::MAX });
-        'rounds: while self.frames_due < last {
-            let until_due = self.deadline.saturating_duration_since(Instant::now());
-            let time = if self.is_paused { POLL_INTERVAL } else { until_due.min(POLL_INTERVAL) };
-            console.wait(time)?;
-            if console.end_signal.load(SeqCst) != 0 {
-                break;
-            }
-            #[cfg(unix)] // Windows has no job control.
-            if !console.obey_job_control()? {
-                // In the background, the program only waits.
-                thread::sleep(POLL_INTERVAL);
-                continue;
-            }
-            let (just_entered, size) = (console.enter()?, console.size()?);
-            let clear = just_entered || size != self.size;
-            if clear {
-                let view = self.options.view(size);
-                self.renderer = Renderer::new(view, self.renderer.method, self.renderer.ramp);
-                self.size = size;
-            }
-            let mut redraw = clear;
-            for key in console.keys()? {
-                match key {
-                    b'q' | ESCAPE => return Ok(()),
-                    b'p' => self.is_paused = !self.is_paused,
-                    b' ' => {
-                        self.renderer.ramp = if self.renderer.ramp == RAMP { FLAT } else { RAMP };
-                        redraw = true;
-                    }
-                    #[cfg(unix)]
-                    CTRL_Z => {
-                        console.suspend()?;
-                        // By now, another program may have used the terminal.
-                        continue 'rounds;
-                    }
-                    _ => {}
+/// donut.c's `for (;;)`. In a pipe, there is nothing to do but to draw each frame when it is due. On a
+/// terminal, the loop also looks for signals, keys and a new size, at least every INTERVAL. So in some of
+/// its rounds no frame is due, for example while the donut is paused.
+fn play(options: &Options, console: &Console) -> io::Result<()> {
+    let interval = match options.fps {
+        0.0 => Duration::ZERO,
+        // A Duration cannot hold 1 / fps seconds if fps is tiny. 1e9 seconds, nearly 32 years, will do.
+        fps => Duration::from_secs_f64((1.0 / fps).min(1e9)),
+    };
+    let last = options.frames.unwrap_or(u64::MAX);
+    let (mut frame, mut due, mut is_paused) = (0, Instant::now(), false);
+    let mut angles = [options.a, options.b];
+    let mut size = console.size()?;
+    let mut renderer = Renderer::new(options.view(size), options.method, RAMP);
+    'rounds: while frame < last {
+        let until_due = due.saturating_duration_since(Instant::now());
+        thread::sleep(if is_paused { INTERVAL } else { until_due.min(INTERVAL) });
+        if console.end_signal.load(SeqCst) != 0 {
+            break;
+        }
+        let is_in_foreground = console.is_in_foreground();
+        // If the program was stopped, another program may have changed the screen or the settings.
+        if console.was_continued.swap(false, SeqCst) || !is_in_foreground {
+            console.leave()?;
+        }
+        if !is_in_foreground {
+            thread::sleep(INTERVAL);
+            continue;
+        }
+        let (just_entered, new_size) = (console.enter()?, console.size()?);
+        let clear = just_entered || new_size != size;
+        if clear {
+            size = new_size;
+            renderer = Renderer::new(options.view(size), renderer.method, renderer.ramp);
+        }
+        let mut redraw = clear;
+        for key in console.keys() {
+            match key {
+                b'q' | ESCAPE => return Ok(()),
+                b'p' => is_paused = !is_paused,
+                b' ' => {
+                    renderer.ramp = if renderer.ramp == RAMP { FLAT } else { RAMP };
+                    redraw = true;
                 }
-            }
-            let is_due = !self.is_paused && self.deadline <= Instant::now();
-            if is_due {
-                self.advance();
-            }
-            if is_due || redraw {
-                self.draw(clear)?;
+                CTRL_Z => {
+                    console.suspend()?;
+                    continue 'rounds;
+                }
+                _ => {}
             }
         }
-        Ok(())
-    }
-
-    /// Goes on to the next frame, and sets the deadline of the one after it.
-    fn advance(&mut self) {
-        // The first frame shows the starting angles.
-        if self.frames_due > 0 {
-            self.clock.tick(self.renderer.method);
+        let is_due = !is_paused && due <= Instant::now();
+        if is_due {
+            // The first frame shows the starting angles.
+            if frame > 0 {
+                angles = next_angles(renderer.method, angles, options.spin);
+            }
+            frame += 1;
+            // Each frame is due one interval after the one before was due, so that delays do not add up.
+            // But after a stall, missed frames are not made up.
+            due = (due + interval).max(Instant::now());
         }
-        self.frames_due += 1;
-        let fps = self.options.fps;
-        // If fps is tiny, a Duration cannot hold 1 / fps seconds. 1e9 seconds, nearly 32 years, will do.
-        let seconds = if fps > 0.0 { (1.0 / fps).min(1e9) } else { 0.0 };
-        // Each deadline counts from the one before, so the deadlines do not drift. But after a stall,
-        // missed frames are not made up: a deadline that has already passed becomes now.
-        let next = self.deadline + Duration::from_secs_f64(seconds);
-        self.deadline = next.max(Instant::now());
+        if is_due || redraw {
+            renderer.method = method_now(options.method, &renderer.view, angles, options.spin);
+            renderer.render_frame(angles[0], angles[1]);
+            console.show(&renderer, clear)?;
+        }
     }
-
-    /// Draws the frame, which may be the same as before. `clear` says whether to clear the screen first.
-    fn draw(&mut self, clear: bool) -> io::Result<()> {
-        let renderer = &mut self.renderer;
-        renderer.method = choose_method(self.options.method, &renderer.view, &self.clock);
-        let [a, b] = self.clock.angles();
-        renderer.render_frame(a, b);
-        self.console.show(renderer, clear)
-    }
+    Ok(())
 }
 
-/// The method that draws the frame at the clock's angles.
+/// The method, `Classic` or `Exact`, that draws the frame with these angles.
 ///
-/// `auto` draws donut.c's own picture with `classic`, as long as donut.c's own angles are precise
-/// enough, and everything else with `exact`.
-fn choose_method(option: MethodOption, view: &View, clock: &Clock) -> Method {
+/// `Auto` draws donut.c's own picture with `Classic`, as long as the floats next to both angles are at most
+/// a quarter of the spin apart, or 0.0002. With donut.c's own start and spin, that is so until frame
+/// 3,345,245. There A passes 2^17, where floats are 1/64 apart, so that adding 0.04 adds 3/64, or 0.047.
+fn method_now(option: Method, view: &View, angles: [f64; 2], spin: [f64; 2]) -> Method {
+    let are_close = (0..2).all(|i| {
+        let float = angles[i].abs() as f32;
+        let gap = f32::from_bits(float.to_bits() + 1) - float;
+        f64::from(gap) <= (spin[i].abs() / 4.0).max(2e-4)
+    });
     match option {
-        MethodOption::Auto if *view == View::DONUT_C && clock.floats_suffice() => Method::Classic,
-        MethodOption::Auto | MethodOption::Exact => Method::Exact,
-        MethodOption::Classic => Method::Classic,
+        Method::Auto if *view == View::DONUT_C && are_close => Method::Classic,
+        Method::Auto => Method::Exact,
+        method => method,
     }
 }
 
-/// The angles A and B of each frame: `start + ticks * spin`.
-///
-/// Every tick of the clock turns the donut by the spin. donut.c keeps its angles in variables of type
-/// `float`, so each of its additions rounds, and the errors add up. `classic` has to make the very same
-/// errors: a tick of `classic` rounds as donut.c does, and stores the sum as the new start. A tick of
-/// `exact` is only counted, so its errors do not add up.
-struct Clock {
-    start: [f64; 2],
-    ticks: u64,
-    spin: [f64; 2],
-}
-
-impl Clock {
-    fn angles(&self) -> [f64; 2] {
-        [0, 1].map(|i| self.start[i] + self.ticks as f64 * self.spin[i])
-    }
-
-    /// The angles after donut.c's next addition.
-    fn next_floats(&self) -> [f64; 2] {
-        let angles = self.angles();
-        [0, 1].map(|i| add_step(angles[i] as f32, self.spin[i]).into())
-    }
-
-    /// Goes on to the angles of the next frame. `method` is what drew this one.
-    fn tick(&mut self, method: Method) {
-        match method {
-            Method::Classic => (self.start, self.ticks) = (self.next_floats(), 0),
-            Method::Exact => self.ticks += 1,
-        }
-    }
-
-    /// Whether floats are precise enough for donut.c's arithmetic: both angles are within 0.001 rad of a
-    /// float, and the next addition turns the donut by the spin, give or take a tenth.
-    ///
-    /// With donut.c's own start and spin, this holds until frame 3,345,245. There A passes 2^17, where
-    /// floats are 1/64 apart, so that adding 0.04 adds 3/64, which is 0.047. At frame 22,918,663, A
-    /// reaches 2^20, where floats are 1/8 apart. From then on, adding 0.04 changes nothing.
-    fn floats_suffice(&self) -> bool {
-        let (angles, next) = (self.angles(), self.next_floats());
-        (0..2).all(|i| {
-            let float = f64::from(angles[i] as f32);
-            let error = next[i] - float - self.spin[i];
-            (float - angles[i]).abs() <= 1e-3 && error.abs() <= 0.1 * self.spin[i].abs()
-        })
-    }
+/// The angles A and B of the next frame. donut.c keeps its angles in variables of type `float`, so each
+/// of its sums is rounded, and the errors add up. `Classic` has to make the very same errors.
+fn next_angles(method: Method, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| match method {
+        Method::Classic => add_step(angles[i] as f32, spin[i]).into(),
+        _ => angles[i] + spin[i],
+    })
 }
 
 // ---- View ----------------------------------------------------------------------------------------
@@ -601,14 +505,9 @@ fn glyph(ramp: &[u8; 12], luminance: f64) -> u8 {
     ramp[usize::from((8.0 * luminance) as u8).min(11)]
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Method {
-    Classic,
-    Exact,
-}
-
 struct Renderer {
     view: View,
+    /// `Classic` or `Exact`.
     method: Method,
     ramp: &'static [u8; 12],
     /// The character in each cell: `width * height` bytes, row by row, blank where there is no donut.
@@ -632,9 +531,10 @@ impl Renderer {
     /// Draws the donut, turned by the angles A and B, into the framebuffer.
     fn render_frame(&mut self, a: f64, b: f64) {
         self.framebuffer.fill(b' ');
-        match self.method {
-            Method::Classic => self.plot_samples(a as f32, b as f32),
-            Method::Exact => self.trace(a, b),
+        if self.method == Method::Classic {
+            self.plot_samples(a as f32, b as f32);
+        } else {
+            self.trace(a, b);
         }
     }
 
@@ -986,262 +886,154 @@ fn larger(a: f64, b: f64) -> f64 {
 // ---- Terminal ------------------------------------------------------------------------------------
 
 // A program that only writes to a pipe would need little of what follows. The rest makes this one a good
-// guest on a terminal: when the program ends or stops, the shell finds its terminal as it was. The
-// manual page lists the exceptions.
+// guest on a terminal: when the program ends or stops, the shell finds its terminal as it was.
 
-/// The longest wait in the loop, so that a new size or a lost terminal is noticed in time.
-const POLL_INTERVAL: Duration = Duration::from_millis(100);
-/// How long the rest of a key's code may take to arrive.
-const ESCAPE_TIME: Duration = Duration::from_millis(50);
+/// How long the loop sleeps at most, how long the rest of a key's code may take to arrive, and how long a
+/// signal waits for a terminal that takes no output.
+const INTERVAL: Duration = Duration::from_millis(50);
 
 const ESCAPE: u8 = 0x1b;
-#[cfg(unix)]
 const CTRL_Z: u8 = 0x1a;
 
-/// The bytes that are written besides the picture: the escape codes, and what separates the rows.
+/// Standard output, and the state that a guest on a terminal needs.
 ///
-/// These codes come up, each after `ESC [`:
-/// - `?1049h` switches to the alternate screen, a second screen for programs that fill it, and
-///   `?1049l` switches back.
-/// - `?25l` hides the cursor, and `?25h` shows it.
-/// - `2J` clears the screen, and `H` moves the cursor to its top left.
-/// - `?2026h` makes the terminal hold the output back until `?2026l`, so that no half-drawn frame is
-///   seen.
-/// - `0m` ends a colour.
-struct Escapes {
-    enter: &'static str,
-    /// Comes before the first frame after `enter` or after a new size.
-    clear: &'static str,
-    begin_frame: &'static str,
-    /// Stands before each row, and takes the place of its column 0.
-    begin_row: &'static str,
-    end_frame: &'static str,
-    leave: &'static str,
-}
-
-impl Escapes {
-    /// donut.c's own bytes.
-    const PIPE: Escapes = Escapes {
-        enter: "",
-        clear: "\x1b[2J",
-        begin_frame: "\x1b[H",
-        begin_row: "\n",
-        end_frame: "\n",
-        leave: "",
-    };
-    /// A terminal whose TERM is `dumb` knows no escape codes.
-    const DUMB: Escapes = Escapes { clear: "", begin_frame: "", ..Escapes::PIPE };
-    /// With --frames, the last frame has to stay on the screen. So there is no alternate screen.
-    const IN_PLACE: Escapes = Escapes {
-        enter: "\x1b[?25l",
-        clear: "\x1b[2J",
-        begin_frame: "\x1b[?2026h\x1b[H",
-        begin_row: "\r\n",
-        end_frame: "\x1b[?2026l",
-        // A signal may have cut a frame short: this ends the frame and its colour, too.
-        leave: "\x1b[?2026l\x1b[0m\x1b[?25h\r\n",
-    };
-    /// The newline before `?1049l` is for terminals without an alternate screen, where the picture
-    /// stays.
-    const FULL_SCREEN: Escapes = Escapes {
-        enter: "\x1b[?1049h\x1b[?25l",
-        leave: "\x1b[?2026l\x1b[0m\x1b[?25h\r\n\x1b[?1049l",
-        ..Escapes::IN_PLACE
-    };
-}
-
-/// Standard output and, if that is a terminal, the state that a guest on a terminal needs.
-///
-/// The picture is on the terminal of standard output. The keys come from the *controlling terminal*,
-/// which is the one that the program was started from, whatever standard input is. The two terminals are
-/// the same, except in cases such as `donut > /dev/tty2`.
-///
-/// The program enters the terminal before it draws. In all these cases, the program leaves the terminal:
-/// - The last frame is drawn, or somebody presses q or Esc.
-/// - A signal asks the program to end.
-/// - Ctrl-Z asks the program to stop.
-/// - The program was stopped and goes on. It leaves the terminal only to enter it anew, because
-///   another program may have changed the screen or the settings.
-/// - The program finds itself in the background.
-/// - The program panics.
-///
-/// A shell lends the terminal to one of its jobs at a time. This job is in the *foreground*. A job that
-/// was started with `&`, or continued with `bg`, is in the *background*. If such a job reads keys or
-/// changes the terminal's settings, the system stops it. So in the background the program does nothing
-/// but leave the terminal and wait.
+/// Before the program draws on a terminal, it *enters* the terminal: it hides the cursor, has each key
+/// sent at once and not echoed, and switches to the alternate screen, a second screen for programs that
+/// fill it. To *leave* the terminal is to undo all this.
 struct Console {
-    /// Standard output, without a buffer. See `open_stdout`.
-    stdout: File,
+    /// The terminal of standard output, opened once more, or standard output itself if it is a pipe or a
+    /// file.
+    file: File,
     is_terminal: bool,
-    /// Whether standard output is a terminal whose TERM is `dumb`. Then there are no escape codes and no
-    /// keys.
-    is_dumb: bool,
-    escapes: Escapes,
+    /// With --frames there is no alternate screen, because the last frame has to stay.
+    has_alternate_screen: bool,
     color: Option<Color>,
-    /// The terminal of the keys, if there is one.
-    tty: Option<File>,
     /// Whether the program has entered the terminal and not left it since.
     is_entered: AtomicBool,
-    /// The number of the signal that asks the program to end, or 0. The handlers of these signals set
-    /// it.
+    /// The number of the signal that asks the program to end, or 0. The handlers of these signals set it.
     end_signal: Arc<AtomicUsize>,
-    /// Whether the program was stopped and continued since the loop last looked. SIGCONT's handler sets
-    /// it.
-    #[cfg(unix)]
+    /// Whether the program was stopped and goes on. SIGCONT's handler sets it.
     was_continued: Arc<AtomicBool>,
-    /// The settings that `tty` had before the program entered, until the program gives them back.
-    #[cfg(unix)]
-    settings: Mutex<Option<Termios>>,
 }
 
 impl Console {
-    fn open(options: &Options) -> io::Result<Arc<Console>> {
-        let is_terminal = io::stdout().is_terminal();
-        let is_dumb = is_terminal && env::var_os("TERM").is_some_and(|term| term == "dumb");
-        let escapes = match (is_terminal, is_dumb, options.frames) {
-            (false, ..) => Escapes::PIPE,
-            (true, true, _) => Escapes::DUMB,
-            (true, false, Some(_)) => Escapes::IN_PLACE,
-            (true, false, None) => Escapes::FULL_SCREEN,
-        };
+    /// Opens the console for the rest of the program's life, so that the handlers of signals and panics
+    /// may use it.
+    fn open(options: &Options) -> io::Result<&'static Console> {
+        let (file, is_terminal) = system::open_output()?;
+        if is_terminal && env::var_os("TERM").is_some_and(|term| term == "dumb") {
+            return Err(io::Error::other(
+                "TERM is dumb: this terminal cannot show moving pictures",
+            ));
+        }
         style::force_color_output(true); // --color is explicit, so it overrides NO_COLOR.
-        #[cfg(windows)]
-        crossterm::ansi_support::supports_ansi(); // Asking turns on the console's escape codes.
-        let console = Arc::new(Console {
-            #[cfg(unix)]
-            stdout: open_stdout(is_terminal)?,
-            #[cfg(windows)]
-            stdout: io::stdout().as_handle().try_clone_to_owned()?.into(),
+        let console: &Console = Box::leak(Box::new(Console {
+            file,
             is_terminal,
-            is_dumb,
-            escapes,
-            color: options.color.filter(|_| !is_dumb),
-            tty: if is_terminal && !is_dumb { open_tty() } else { None },
+            has_alternate_screen: options.frames.is_none(),
+            color: options.color,
             is_entered: AtomicBool::new(false),
             end_signal: Arc::default(),
-            #[cfg(unix)]
             was_continued: Arc::default(),
-            #[cfg(unix)]
-            settings: Mutex::default(),
-        });
-        if is_terminal && !is_dumb {
-            console.install_handlers()?;
+        }));
+        if is_terminal {
+            let previous_hook = panic::take_hook();
+            panic::set_hook(Box::new(move |info| {
+                let _ = console.leave();
+                previous_hook(info);
+            }));
+            let obey_ctrl_c = || console.end_signal.store(2, SeqCst); // 2 is SIGINT.
+            ctrlc::set_handler(obey_ctrl_c).map_err(io::Error::other)?;
+            console.catch_signals()?;
         }
         Ok(console)
-    }
-
-    /// Makes the program leave the terminal before a panic or a signal ends it.
-    ///
-    /// A signal's handler only stores its number. Then the loop ends, and `run` does what has to be
-    /// done.
-    fn install_handlers(self: &Arc<Console>) -> io::Result<()> {
-        let (console, previous_hook) = (self.clone(), panic::take_hook());
-        panic::set_hook(Box::new(move |info| {
-            let _ = console.leave();
-            previous_hook(info);
-        }));
-        // ctrlc works on every system, but its handler cannot tell which signal has come. So on Unix,
-        // more handlers are registered below. Each stores the number of its own signal, and overwrites
-        // what ctrlc's handler may have stored. The 2 from ctrlc's handler remains on Windows, and for a
-        // signal that comes before the handlers below are registered.
-        let end_signal = self.end_signal.clone();
-        let take_for_sigint = move || {
-            let _ = end_signal.compare_exchange(0, 2, SeqCst, SeqCst); // 2 is SIGINT.
-        };
-        ctrlc::set_handler(take_for_sigint).map_err(io::Error::other)?;
-        #[cfg(unix)]
-        {
-            for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
-                flag::register_usize(signal, self.end_signal.clone(), signal as usize)?;
-            }
-            flag::register(SIGCONT, self.was_continued.clone())?;
-        }
-        Ok(())
     }
 
     /// If a signal has come, ends the program by the same signal. So a shell, and a loop or script
     /// around the program, can tell what ended it.
     fn end_by_signal(&self) {
         let signal = self.end_signal.load(SeqCst) as i32;
-        if signal == 0 {
-            return;
+        if signal != 0 {
+            system::raise(signal);
+            process::exit(128 + signal) // What a shell would say of a program that the signal ended.
         }
-        // The first process of a container ignores signals that it does not handle.
-        #[cfg(unix)]
-        if process::id() != 1 {
-            let _ = low_level::emulate_default_handler(signal);
-        }
-        process::exit(128 + signal) // What a shell would say of a program that the signal ended.
     }
 
     /// Enters the terminal, unless the program has entered already. Returns true if it has entered just
     /// now.
     fn enter(&self) -> io::Result<bool> {
-        if self.is_entered.swap(true, SeqCst) {
-            return Ok(false);
+        let just_entered = !self.is_entered.swap(true, SeqCst);
+        if just_entered && self.is_terminal {
+            self.take_keys()?;
+            let mut bytes = Vec::new();
+            if self.has_alternate_screen {
+                queue!(bytes, EnterAlternateScreen)?;
+            }
+            queue!(bytes, Hide)?;
+            self.write(&bytes)?;
         }
-        #[cfg(unix)]
-        if let Some(tty) = &self.tty {
-            let mut settings = self.settings.lock().unwrap();
-            let before = match settings.take() {
-                // The program had to leave in the background, where it could not give these back.
-                Some(before) => before,
-                None => termios::tcgetattr(tty)?,
-            };
-            let mut raw = settings.insert(before).clone();
-            // Each key is to come at once, as a byte, and without an echo. But Ctrl-C and Ctrl-\ stay
-            // signals, so that they work while the program is busy.
-            raw.make_raw();
-            raw.local_modes.insert(LocalModes::ISIG);
-            raw.special_codes[SpecialCodeIndex::VSUSP] = NO_KEY; // Ctrl-Z is a byte, too: see `suspend`.
-            termios::tcsetattr(tty, OptionalActions::Now, &raw)?;
-        }
-        self.write(self.escapes.enter.as_bytes())?;
-        Ok(true)
+        Ok(just_entered)
     }
 
     /// Leaves the terminal as it was found, if the program has entered it.
     fn leave(&self) -> io::Result<()> {
-        if !self.is_entered.swap(false, SeqCst) {
+        if !self.is_entered.swap(false, SeqCst) || !self.is_terminal {
             return Ok(());
         }
-        let written = self.write(self.escapes.leave.as_bytes());
-        // The settings are given back even if the write has failed: they are those of the keys'
-        // terminal, which may be another one.
-        #[cfg(unix)]
-        if let (Some(tty), true) = (&self.tty, self.is_in_foreground()) {
-            if let Some(settings) = self.settings.lock().unwrap().take() {
-                termios::tcsetattr(tty, OptionalActions::Now, &settings)?;
-            }
+        let mut bytes = Vec::new();
+        // A signal may have cut a frame short, in the middle of a row.
+        queue!(bytes, EndSynchronizedUpdate, ResetColor, Show)?;
+        bytes.push(b'\r');
+        if self.has_alternate_screen {
+            queue!(bytes, LeaveAlternateScreen)?;
         }
-        written
+        let (written, given_back) = (self.write(&bytes), self.give_back_keys());
+        written.and(given_back)
     }
 
     /// Writes a whole frame at once. `clear` says whether to clear the screen first.
     fn show(&self, renderer: &Renderer, clear: bool) -> io::Result<()> {
-        let set_color = self.color.map(|color| SetForegroundColor(color).to_string());
-        let reset_color = if self.color.is_some() { "\x1b[0m" } else { "" };
-        let mut bytes = Vec::from(if clear { self.escapes.clear } else { "" });
-        bytes.extend_from_slice(self.escapes.begin_frame.as_bytes());
-        bytes.extend_from_slice(set_color.unwrap_or_default().as_bytes());
+        let mut bytes = Vec::new();
+        // The terminal holds the output back until the end of the update, so that nobody sees half a
+        // frame.
+        if self.is_terminal {
+            queue!(bytes, BeginSynchronizedUpdate)?;
+        }
+        bytes.extend_from_slice(if clear { b"\x1b[2J\x1b[H" } else { b"\x1b[H" });
+        if let Some(color) = self.color {
+            queue!(bytes, SetForegroundColor(color))?;
+        }
         for row in renderer.framebuffer.chunks_exact(renderer.view.width) {
-            bytes.extend_from_slice(self.escapes.begin_row.as_bytes());
+            bytes.push(b'\n'); // In place of column 0.
             bytes.extend_from_slice(&row[1..]);
         }
-        bytes.extend_from_slice(self.escapes.end_frame.as_bytes());
-        bytes.extend_from_slice(reset_color.as_bytes());
+        bytes.push(b'\n');
+        if self.color.is_some() {
+            queue!(bytes, ResetColor)?;
+        }
+        if self.is_terminal {
+            queue!(bytes, EndSynchronizedUpdate)?;
+        }
         self.write(&bytes)
     }
 
+    /// Writes all bytes, and waits while there is no room for them.
+    ///
+    /// A terminal whose window hangs may never take another byte. So once a signal has come, this makes
+    /// room, and gives up if even that does not help.
     fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
-        #[cfg(unix)]
         let start = Instant::now();
         while !bytes.is_empty() {
-            match (&self.stdout).write(bytes) {
+            match (&self.file).write(bytes) {
                 Ok(count) => bytes = &bytes[count..],
-                #[cfg(unix)]
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                    self.wait_for_room(start)?
+                    if self.end_signal.load(SeqCst) != 0 {
+                        if start.elapsed() > INTERVAL {
+                            return Err(error);
+                        }
+                        self.drop_unread_output();
+                    }
+                    thread::sleep(Duration::from_millis(1));
                 }
                 Err(error) => return Err(error),
             }
@@ -1249,192 +1041,222 @@ impl Console {
         Ok(())
     }
 
-    /// The columns and rows of the terminal, or `None` if standard output is not a terminal. A terminal
-    /// that does not know its size reports 0, and is taken for 80x24.
+    /// The columns and rows of the terminal, or `None` if there is none. A terminal that does not know
+    /// its size reports 0, and is taken for 80x24.
     fn size(&self) -> io::Result<Option<(u16, u16)>> {
-        #[cfg(unix)]
-        let size = || termios::tcgetwinsize(&self.stdout).map(|size| (size.ws_col, size.ws_row));
-        #[cfg(windows)]
-        let size = crossterm::terminal::size;
-        let or_default = |size: (u16, u16)| if size.0 > 0 && size.1 > 0 { size } else { (80, 24) };
-        Ok(if self.is_terminal { Some(or_default(size()?)) } else { None })
-    }
-
-    /// Waits until a key is pressed, or until the time is up. Returns true if there is a key to be read.
-    ///
-    /// Before the program enters the terminal, nothing is read from it: the keys are the shell's.
-    fn wait(&self, time: Duration) -> io::Result<bool> {
-        match &self.tty {
-            #[cfg(unix)]
-            Some(tty) if self.is_entered.load(SeqCst) => Ok(wait_until_ready(tty, POLLIN, time)),
-            #[cfg(windows)]
-            Some(_) => event::poll(time),
-            _ => {
-                thread::sleep(time);
-                Ok(false)
-            }
+        if !self.is_terminal {
+            return Ok(None);
         }
-    }
-
-    /// The pressed keys that are a single byte.
-    #[cfg(windows)]
-    fn keys(&self) -> io::Result<Vec<u8>> {
-        let mut keys = Vec::new();
-        while self.wait(Duration::ZERO)? {
-            let key = event::read()?.as_key_press_event().filter(|key| key.modifiers.is_empty());
-            keys.extend(key.and_then(|key| match key.code {
-                KeyCode::Esc => Some(ESCAPE),
-                code => code.as_char()?.try_into().ok(),
-            }));
-        }
-        Ok(keys)
+        let (columns, rows) = self.reported_size()?;
+        Ok(Some(if columns > 0 && rows > 0 { (columns, rows) } else { (80, 24) }))
     }
 }
 
 #[cfg(unix)]
-impl Console {
-    /// The pressed keys that send a single byte.
+mod system {
+    use super::*;
+    use rustix::fs::{self, Mode, OFlags};
+    use rustix::io::Errno;
+    use rustix::process::{Signal, getpgrp, kill_current_process_group};
+    use rustix::termios::{
+        self, InputModes, LocalModes, OptionalActions, QueueSelector, SpecialCodeIndex, Termios,
+    };
+    use signal_hook::consts::{SIGCONT, SIGHUP, SIGQUIT, SIGTERM};
+    use signal_hook::{flag, low_level};
+    use std::io::Read;
+    use std::os::fd::AsFd;
+    use std::sync::OnceLock;
+
+    /// The terminal's settings when the program first entered it.
+    static SETTINGS: OnceLock<Termios> = OnceLock::new();
+
+    /// The file for the output, and whether it is a terminal.
     ///
-    /// An arrow key, for one, sends a code: an ESC and more bytes. When an earlier program has asked the
-    /// terminal something, the answer may still come, and it is such a code as well. A code may arrive
-    /// in pieces. So ESCAPE_TIME after an ESC, this function reads once more, and drops what it has read
-    /// from the ESC on. But an ESC alone is the Esc key, and so are several of them, if the key is held
-    /// down.
-    fn keys(&self) -> io::Result<Vec<u8>> {
-        let mut tty = match &self.tty {
-            Some(tty) if self.wait(Duration::ZERO)? => tty,
-            _ => return Ok(Vec::new()),
-        };
-        let mut bytes = [0; 4096]; // What is left is read in the next round.
-        let mut keys = match tty.read(&mut bytes)? {
-            0 => return Err(Errno::IO.into()), // The terminal is gone.
-            count => bytes[..count].to_vec(),
-        };
-        if let Some(escape) = keys.iter().position(|&key| key == ESCAPE) {
-            let mut code = keys.split_off(escape);
-            thread::sleep(ESCAPE_TIME);
-            if self.wait(Duration::ZERO)? {
-                let count = tty.read(&mut bytes)?;
-                code.extend_from_slice(&bytes[..count]);
-            }
-            if code.iter().all(|&byte| byte == ESCAPE) {
-                keys.push(ESCAPE);
-            }
-        }
-        Ok(keys)
-    }
-
-    /// Whether the program is in the foreground.
-    ///
-    /// There is no answer if there is no terminal for the keys, if it is not the controlling terminal,
-    /// if the job in the foreground is outside of this container, or if the terminal is gone. In these
-    /// cases no other job is known to use the terminal, so this function returns true.
-    fn is_in_foreground(&self) -> bool {
-        let foreground = self.tty.as_ref().map(termios::tcgetpgrp);
-        foreground.is_none_or(|group| group.is_err() || group == Ok(getpgrp()))
-    }
-
-    /// Whether the program is in the foreground. If it is not, or if it was stopped since the last call,
-    /// this leaves the terminal. Then the loop will enter the terminal anew.
-    fn obey_job_control(&self) -> io::Result<bool> {
-        let is_in_foreground = self.is_in_foreground();
-        if self.was_continued.swap(false, SeqCst) || !is_in_foreground {
-            self.leave()?;
-        }
-        Ok(is_in_foreground)
-    }
-
-    /// Stops the program's whole job, on Ctrl-Z, until the shell's `fg` continues it.
-    ///
-    /// Normally the system does this by itself, and stops all processes of the job at once: the program,
-    /// and the script that has started it, if there is one. As soon as the script has stopped, the shell
-    /// writes its prompt. The program would still be on the alternate screen, and the prompt would be
-    /// lost there. So the program leaves the terminal first, and only then sends its job the signal that
-    /// Ctrl-Z stands for. Where no shell could continue the job, the system ignores the signal, and the
-    /// loop enters the terminal again.
-    fn suspend(&self) -> io::Result<()> {
-        // The first process of a container would not stop, but other processes of its job would.
-        if process::id() == 1 {
-            return Ok(());
-        }
-        self.leave()?;
-        Ok(kill_current_process_group(Signal::TSTP)?)
-    }
-
-    /// Waits until standard output takes more bytes, but no longer than POLL_INTERVAL. Then `write`
-    /// tries again. `start` is when it began to write.
-    ///
-    /// A terminal whose window hangs may never take another byte. So once a signal asks the program to
-    /// end, this function makes room: it discards the output that the terminal has not read yet. But
-    /// even that may not help. So once a write has taken POLL_INTERVAL, this function gives it up with
-    /// an error. If that was a frame, the error ends the loop, and `leave` begins a write of its own,
-    /// which has its own time to make room.
-    fn wait_for_room(&self, start: Instant) -> io::Result<()> {
-        if self.end_signal.load(SeqCst) != 0 {
-            if start.elapsed() >= POLL_INTERVAL {
-                return Err(io::ErrorKind::WouldBlock.into());
-            }
-            // In the background, each of these calls would stop the program.
-            if self.is_in_foreground() {
-                let _ = termios::tcflush(&self.stdout, QueueSelector::OFlush);
-                // If Ctrl-S has stopped the output, OOn has no effect unless OOff stops the output once
-                // more.
-                let _ = termios::tcflow(&self.stdout, Action::OOff);
-                let _ = termios::tcflow(&self.stdout, Action::OOn);
-            }
-        }
-        wait_until_ready(&self.stdout, POLLOUT, POLL_INTERVAL);
-        Ok(())
-    }
-}
-
-/// Waits until the file can be read from (POLLIN) or written to (POLLOUT), or until the time is up.
-#[cfg(unix)]
-fn wait_until_ready(file: &File, events: i16, time: Duration) -> bool {
-    let mut files = [pollfd { fd: file.as_raw_fd(), events, revents: 0 }];
-    // `poll` truncates the time to whole milliseconds, so this rounds it up. A signal ends `poll` with
-    // an error.
-    let ready = poll(&mut files, Some(time + Duration::from_micros(999)));
-    ready.is_ok_and(|count| count > 0)
-}
-
-/// The value that disables a special key, such as the one that stops a job (_POSIX_VDISABLE). It is 0 on
-/// Linux, and 0xff on macOS and the BSDs.
-#[cfg(unix)]
-const NO_KEY: u8 = if cfg!(any(target_os = "linux", target_os = "android")) { 0 } else { 0xff };
-
-/// Standard output, without a buffer.
-///
-/// A terminal whose window hangs takes no more bytes. There a write would block, and a signal could not
-/// end the program. So the terminal is opened once more, in nonblocking mode. The mode applies only to
-/// the new open file, so it makes no difference to other programs that use standard output.
-#[cfg(unix)]
-fn open_stdout(is_terminal: bool) -> io::Result<File> {
-    let stdout = io::stdout();
-    if is_terminal {
+    /// A terminal is opened once more, for keys and output, and in nonblocking mode: otherwise a terminal
+    /// that takes no output, or another program that reads the same keys, would block the loop. The mode
+    /// applies only to the new open file, so it makes no difference to other programs. A terminal that
+    /// cannot be opened is treated as a pipe.
+    pub fn open_output() -> io::Result<(File, bool)> {
+        let stdout = io::stdout();
         let path = match termios::tcgetpgrp(&stdout) {
-            // Standard output is not the controlling terminal.
+            // Standard output is a terminal, but not the one that the program was started from.
             Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
             // Under this name, everybody may open the terminal, even after `su`.
             _ => Ok(c"/dev/tty".into()),
         };
-        let flags = OFlags::WRONLY | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
-        if let Ok(terminal) = path.and_then(|path| fs::open(path, flags, Mode::empty())) {
-            return Ok(terminal.into());
+        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        match path.and_then(|path| fs::open(path, flags, Mode::empty())) {
+            Ok(terminal) => Ok((terminal.into(), true)),
+            _ => Ok((stdout.as_fd().try_clone_to_owned()?.into(), false)),
         }
     }
-    Ok(stdout.as_fd().try_clone_to_owned()?.into())
+
+    /// Ends the program by this signal.
+    pub fn raise(signal: i32) {
+        // The first process of a container ignores signals that it does not handle.
+        if process::id() != 1 {
+            let _ = low_level::emulate_default_handler(signal);
+        }
+    }
+
+    impl Console {
+        pub fn catch_signals(&self) -> io::Result<()> {
+            for signal in [SIGTERM, SIGHUP, SIGQUIT] {
+                flag::register_usize(signal, self.end_signal.clone(), signal as usize)?;
+            }
+            flag::register(SIGCONT, self.was_continued.clone())?;
+            Ok(())
+        }
+
+        pub fn reported_size(&self) -> io::Result<(u16, u16)> {
+            let size = termios::tcgetwinsize(&self.file)?;
+            Ok((size.ws_col, size.ws_row))
+        }
+
+        /// Has each key sent at once, and not echoed. But Ctrl-C and Ctrl-\ stay signals, so that they
+        /// work while the program is busy.
+        pub fn take_keys(&self) -> io::Result<()> {
+            let settings = termios::tcgetattr(&self.file)?;
+            let mut changed = SETTINGS.get_or_init(|| settings).clone();
+            changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO | LocalModes::IEXTEN;
+            changed.input_modes -= InputModes::IXON;
+            // Ctrl-Z is to be a byte, too: see `suspend`. Of two keys that are the same, the system obeys
+            // the one that interrupts, so this leaves none that suspends.
+            let interrupt = changed.special_codes[SpecialCodeIndex::VINTR];
+            changed.special_codes[SpecialCodeIndex::VSUSP] = interrupt;
+            Ok(termios::tcsetattr(&self.file, OptionalActions::Now, &changed)?)
+        }
+
+        /// Gives the settings back. In the background, that would stop the program.
+        pub fn give_back_keys(&self) -> io::Result<()> {
+            match SETTINGS.get() {
+                Some(settings) if self.is_in_foreground() => {
+                    Ok(termios::tcsetattr(&self.file, OptionalActions::Now, settings)?)
+                }
+                _ => Ok(()),
+            }
+        }
+
+        /// The pressed keys that send a single byte.
+        ///
+        /// An arrow key, for one, sends a code: an ESC and more bytes. A terminal's answer to an earlier
+        /// program is such a code as well, and may arrive late and in pieces. So INTERVAL after an ESC,
+        /// this function reads once more, and drops what it has read from the ESC on. But an ESC alone is
+        /// the Esc key, and so are several of them, if the key is held down.
+        pub fn keys(&self) -> Vec<u8> {
+            let mut keys = self.read();
+            if let Some(escape) = keys.iter().position(|&key| key == ESCAPE) {
+                let mut code = keys.split_off(escape);
+                thread::sleep(INTERVAL);
+                code.extend(self.read());
+                if code.iter().all(|&byte| byte == ESCAPE) {
+                    keys.push(ESCAPE);
+                }
+            }
+            keys
+        }
+
+        /// Reads what the terminal has. What does not fit is read in the next round of the loop. If the
+        /// terminal is gone, `size` reports it.
+        fn read(&self) -> Vec<u8> {
+            let mut bytes = [0; 4096];
+            let count = if self.is_terminal { (&self.file).read(&mut bytes) } else { Ok(0) };
+            bytes[..count.unwrap_or(0)].to_vec()
+        }
+
+        /// Makes room on a terminal that takes no output. In the background, that would stop the program.
+        pub fn drop_unread_output(&self) {
+            if self.is_in_foreground() {
+                let _ = termios::tcflush(&self.file, QueueSelector::OFlush);
+            }
+        }
+
+        /// Whether the program may use the terminal.
+        ///
+        /// A shell lends the terminal to one of its jobs at a time. This job is in the *foreground*. A job
+        /// that was started with `&`, or continued with `bg`, is in the *background*, and the system stops
+        /// it if it reads keys or changes the settings.
+        ///
+        /// There is no answer if the terminal is not the one that the program was started from, or if it
+        /// is gone. Then no other job is known to use it, so this function returns true.
+        pub fn is_in_foreground(&self) -> bool {
+            match termios::tcgetpgrp(&self.file) {
+                Ok(group) => group == getpgrp(),
+                Err(_) => true,
+            }
+        }
+
+        /// Stops the program's whole job, on Ctrl-Z, until the shell's `fg` continues it.
+        ///
+        /// Normally the system does this by itself, and stops all processes of the job at once: the
+        /// program, and the script that has started it, if there is one. As soon as the script has
+        /// stopped, the shell writes its prompt. The program would still be on the alternate screen, and
+        /// the prompt would be lost there. So the program leaves the terminal first. Where no shell could
+        /// continue the job, the system ignores the signal.
+        pub fn suspend(&self) -> io::Result<()> {
+            self.leave()?;
+            Ok(kill_current_process_group(Signal::TSTP)?)
+        }
+    }
 }
 
-/// Opens the controlling terminal, whatever standard input is.
-fn open_tty() -> Option<File> {
-    let tty = File::open(if cfg!(windows) { "CONIN$" } else { "/dev/tty" }).ok();
-    // Under `su -c donut`, the program may be in a session that has no terminal of its own.
-    #[cfg(unix)]
-    if tty.is_none() && io::stdin().is_terminal() {
-        return io::stdin().as_fd().try_clone_to_owned().ok().map(File::from);
+/// Windows has neither jobs nor most of the signals, and its events are whole keys.
+#[cfg(windows)]
+mod system {
+    use super::*;
+    use crossterm::event::{self, KeyCode};
+    use std::io::IsTerminal;
+    use std::os::windows::io::AsHandle;
+
+    pub fn open_output() -> io::Result<(File, bool)> {
+        crossterm::ansi_support::supports_ansi(); // Asking turns on the console's escape codes.
+        let stdout = io::stdout();
+        Ok((stdout.as_handle().try_clone_to_owned()?.into(), stdout.is_terminal()))
     }
-    tty
+
+    pub fn raise(_: i32) {}
+
+    impl Console {
+        pub fn catch_signals(&self) -> io::Result<()> {
+            Ok(())
+        }
+
+        pub fn reported_size(&self) -> io::Result<(u16, u16)> {
+            crossterm::terminal::size()
+        }
+
+        pub fn take_keys(&self) -> io::Result<()> {
+            Ok(())
+        }
+
+        pub fn give_back_keys(&self) -> io::Result<()> {
+            Ok(())
+        }
+
+        /// The pressed keys that are a single byte.
+        pub fn keys(&self) -> Vec<u8> {
+            let mut keys = Vec::new();
+            while self.is_terminal && event::poll(Duration::ZERO).unwrap_or(false) {
+                let Ok(event) = event::read() else { break };
+                let key = event.as_key_press_event().filter(|key| key.modifiers.is_empty());
+                keys.extend(key.and_then(|key| match key.code {
+                    KeyCode::Esc => Some(ESCAPE),
+                    code => code.as_char()?.try_into().ok(),
+                }));
+            }
+            keys
+        }
+
+        pub fn drop_unread_output(&self) {}
+
+        pub fn is_in_foreground(&self) -> bool {
+            true
+        }
+
+        pub fn suspend(&self) -> io::Result<()> {
+            Ok(())
+        }
+    }
 }
 
 #[cfg(test)]

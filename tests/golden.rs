@@ -98,13 +98,13 @@ fn auto_is_classic_at_the_size_of_donut_c_and_exact_elsewhere() {
 
 #[test]
 fn auto_goes_on_with_exact_where_the_floats_of_classic_get_too_coarse() {
-    // In frame 6 the angle A is 1/64 below 2^17. From 2^17 on, floats are so far apart that the
-    // next step, of 0.04, is rounded to 0.047. So exact draws frame 6, at the angles that the
-    // sums of classic have reached.
+    // In frame 7 the angle A has passed 2^17. From there on, floats are so far apart that the next step,
+    // of 0.04, would be rounded to 0.047. So exact draws frame 7, at the angles that the sums of classic
+    // have reached.
     let start = ["-A=131071.75", "-B=0.5", "--fps=0"];
     let auto = frames(&donut(&[&start[..], &["--frames=12"]].concat()));
     let classic = donut(&[&start[..], &["--frames=12", "--method=classic"]].concat());
-    assert!(auto[..6] == frames(&classic)[..6]);
-    let frame_6 = ["-A=131071.984375", "-B=0.62", "--fps=0", "--frames=6", "--method=exact"];
-    assert!(auto[6..] == frames(&donut(&frame_6)));
+    assert!(auto[..7] == frames(&classic)[..7]);
+    let frame_7 = ["-A=131072.03125", "-B=0.64", "--fps=0", "--frames=5", "--method=exact"];
+    assert!(auto[7..] == frames(&donut(&frame_7)));
 }

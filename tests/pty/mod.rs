@@ -1,5 +1,7 @@
 //! A program on a pseudo-terminal, and the screen that a person would see.
 
+use std::cell::Cell;
+use std::fs::File;
 use std::io::{self, Read, Write};
 use std::num::NonZeroU16;
 use std::process::Command;
@@ -7,8 +9,8 @@ use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use filedescriptor::{POLLIN, poll, pollfd};
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, SlavePty, native_pty_system};
+use rustix::fs::{self, Mode, OFlags};
 use vt100::{Parser, Screen};
 
 /// How long to wait for something that has to happen, even on a busy machine.
@@ -22,6 +24,8 @@ pub struct Pty {
     child: Box<dyn Child + Send + Sync>,
     keys: Option<Arc<Mutex<dyn Write + Send>>>,
     seen: Arc<Mutex<Seen>>,
+    /// Whether somebody reads what the program writes.
+    is_read: Cell<bool>,
     /// The terminal's settings before the program started, as text.
     settings: String,
 }
@@ -57,6 +61,7 @@ impl Pty {
     /// Begins to read what the program writes: `bytes` at a time, and then a pause.
     pub fn read(&self, bytes: usize, pause: Duration) {
         let (seen, mut reader) = (self.seen.clone(), self.master().try_clone_reader().unwrap());
+        self.is_read.set(true);
         thread::spawn(move || {
             while let Ok(1..) = Pty::read_once(&seen, &mut reader, bytes) {
                 thread::sleep(pause);
@@ -65,13 +70,9 @@ impl Pty {
     }
 
     /// Reads what the program writes until something comes true, and then no more.
-    #[track_caller]
     pub fn read_until(&self, is_true: impl Fn(&Pty) -> bool) {
         let mut reader = self.master().try_clone_reader().unwrap();
-        let fd = self.master().as_raw_fd().unwrap();
         while !is_true(self) {
-            let mut output = [pollfd { fd, events: POLLIN, revents: 0 }];
-            assert_eq!(poll(&mut output, Some(PATIENCE)).unwrap(), 1, "the program writes no more");
             assert_ne!(Pty::read_once(&self.seen, &mut reader, 1000).unwrap(), 0);
         }
     }
@@ -114,6 +115,7 @@ impl Pty {
             child,
             keys: Some(Arc::new(Mutex::new(keys))),
             seen,
+            is_read: Cell::new(false),
             settings,
         }
     }
@@ -207,6 +209,12 @@ impl Pty {
         self.master().tty_name().unwrap().to_str().unwrap().to_string()
     }
 
+    /// Opens the terminal as another program would.
+    pub fn open(&self) -> File {
+        // Without NOCTTY, this could become the terminal that the tests themselves are run from.
+        fs::open(self.path(), OFlags::RDWR | OFlags::NOCTTY, Mode::empty()).unwrap().into()
+    }
+
     /// What `look` finds on the screen.
     pub fn screen<T>(&self, look: impl Fn(&Screen) -> T) -> T {
         look(self.seen.lock().unwrap().terminal.screen())
@@ -245,21 +253,16 @@ impl Pty {
     #[track_caller]
     pub fn exit(&mut self) -> u32 {
         let code = self.exit_code();
-        // If nobody reads the output, it stays there. So this waits for a second at most.
-        for _ in 0..10 {
-            thread::sleep(Duration::from_millis(100));
-            if self.master.is_none() || !self.is_unread() {
-                break;
-            }
+        if self.is_read.get() && self.master.is_some() {
+            // What is written now is read last.
+            const END: u8 = 0;
+            self.open().write_all(&[END]).unwrap();
+            self.wait_for("the end of the output", |pty| {
+                pty.seen.lock().unwrap().bytes.last() == Some(&END)
+            });
+            self.seen.lock().unwrap().bytes.pop();
         }
         code
-    }
-
-    /// Whether there is output that has not been read yet.
-    fn is_unread(&self) -> bool {
-        let fd = self.master().as_raw_fd().unwrap();
-        let mut output = [pollfd { fd, events: POLLIN, revents: 0 }];
-        poll(&mut output, Some(Duration::ZERO)).unwrap() > 0
     }
 
     /// Waits for the program to end. Returns what a shell would call its exit code.

@@ -7,7 +7,6 @@ use super::*;
 use clap::builder::PossibleValuesParser;
 use clap_complete::{Shell, generate};
 use std::collections::BTreeSet;
-use std::fmt::Display;
 
 /// The text of the manual page, without the escape codes that choose a font.
 fn manual_page() -> String {
@@ -75,22 +74,25 @@ fn assert_allows(text: &str, range: &str) {
     assert!(is_named, "no {range:?} in {text:?}");
 }
 
-/// The range of an option, in the words of the manual page and of the help.
-fn range_in_words<T: Display>((range, _): Numbers<T>) -> String {
-    format!("from {} to {}", range.start(), range.end())
+/// The range of an option, as the message says it that refuses another value.
+fn range(option: &str) -> String {
+    let value = if option == "--spin" { "x,x" } else { "x" };
+    let refused = Options::try_parse_from(["donut", option, value]).err().unwrap().to_string();
+    let start = refused.find("from ").unwrap();
+    refused[start..].split('\n').next().unwrap().to_string()
 }
 
 #[test]
 fn the_help_says_which_numbers_are_allowed() {
-    let (least, most) = (RING_RATIOS.start(), RING_RATIOS.end());
     let command = Options::command();
+    let [least, most] = [RING_RATIOS.start(), RING_RATIOS.end()];
     for (name, range) in [
-        ("fps", range_in_words(RATES)),
-        ("spin", format!("from {:e} to {:e}", ANGLES.0.start(), ANGLES.0.end())),
-        ("width", range_in_words(SIZES)),
-        ("height", range_in_words(SIZES)),
-        ("aspect", range_in_words(ASPECTS)),
-        ("r1", range_in_words(LENGTHS)),
+        ("fps", range("--fps")),
+        ("spin", range("--spin")),
+        ("width", range("--width")),
+        ("height", range("--height")),
+        ("aspect", range("--aspect")),
+        ("r1", range("--r1")),
         ("r2", format!("{least} to {most} times --r1")),
         ("k2", format!("{LEAST_DISTANCE_RATIO} times the sum of --r1 and --r2")),
     ] {
@@ -103,21 +105,11 @@ fn the_help_says_which_numbers_are_allowed() {
 #[test]
 fn the_manual_page_says_which_values_are_allowed() {
     let page = manual_page();
-    let angles = format!("at most {:e} either way", ANGLES.0.end());
-    for (option, range) in [
-        ("--fps", range_in_words(RATES)),
-        ("--frames", COUNTS.1.into()),
-        ("--spin", angles.clone()),
-        ("-A", angles.clone()),
-        ("-B", angles),
-        ("--width", range_in_words(SIZES)),
-        ("--height", range_in_words(SIZES)),
-        ("--aspect", range_in_words(ASPECTS)),
-        ("--r1", range_in_words(LENGTHS)),
-        ("--r2", range_in_words(LENGTHS)),
-        ("--k2", range_in_words(LENGTHS)),
+    for option in [
+        "--fps", "--frames", "--spin", "-A", "-B", "--width", "--height", "--aspect", "--r1",
+        "--r2", "--k2",
     ] {
-        assert_allows(entry(&page, option).1, &range);
+        assert_allows(entry(&page, option).1, &range(option));
     }
     let colors: Vec<_> = entry(&page, "--color").1.split([' ', ',', '.', '\n']).collect();
     for name in color_names() {
