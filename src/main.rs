@@ -180,7 +180,7 @@ struct Options {
     #[arg(long, help_heading = "Geometry", value_name = "R")]
     #[arg(default_value = "1", value_parser = within(1e-6..=1e4))]
     r1: f64,
-    /// Radius of the ring, 1.001 to 30 times --r1
+    /// Radius of the ring, 1.01 to 30 times --r1
     #[arg(long, help_heading = "Geometry", value_name = "R")]
     #[arg(default_value = "2", value_parser = within(LENGTHS))]
     r2: f64,
@@ -253,10 +253,10 @@ fn parse_color(text: &str) -> Result<Color, String> {
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
-/// The range of R2 / R1, beyond which no picture looks like a donut. Below 1.001, the hole is hardly two
-/// cells across, even in the largest picture. Above 30, the tube of a donut far away is less than three
-/// columns thick in a picture of 80 columns.
-const RING_RATIOS: RangeInclusive<f64> = 1.001..=30.0;
+/// The range of R2 / R1, beyond which no picture looks like a donut. Below 1.01, the hole is less than 20
+/// cells across, even in a picture of 4096 columns. Above 30, the tube of a donut far away is less than
+/// three columns thick in a picture of 80 columns.
+const RING_RATIOS: RangeInclusive<f64> = 1.01..=30.0;
 /// The least K2 / (R1 + R2). At this distance, a donut that is seen edge-on already fills 175 degrees of
 /// the view.
 const LEAST_DISTANCE_RATIO: f64 = 1.001;
@@ -477,18 +477,11 @@ impl View {
     }
 }
 
-/// How large the donut can look: the apparent radius of a sphere of radius R1 + R2 round its centre. The
-/// donut touches this sphere from inside, however it is turned.
-///
-/// The viewer sees the centre of the sphere in one direction, and its edge in another. The apparent
-/// radius is the tangent of the angle between the two, which is the sphere's radius on a screen at the
-/// distance 1.
+/// How large the donut can look, on a screen at the distance 1: the radius of the circle that a sphere of
+/// radius R1 + R2 appears as. The donut touches this sphere from inside, however it is turned.
 fn apparent_radius(r2: f64, k2: f64) -> f64 {
     let radius = 1.0 + r2;
-    // The divisor is the square root of `k2^2 - radius^2`, as a product. If k2 is hardly larger than the
-    // radius, the difference of the squares would lose digits. So would `k2 - radius`, because `1.0 +
-    // r2` is rounded.
-    radius / ((k2 - r2 - 1.0) * (k2 + radius)).sqrt()
+    radius / (k2 * k2 - radius * radius).sqrt()
 }
 
 // ---- Rendering -----------------------------------------------------------------------------------
@@ -534,7 +527,7 @@ impl Renderer {
         if self.method == Method::Classic {
             self.plot_samples(a as f32, b as f32);
         } else {
-            self.trace(a, b);
+            self.trace(a, b, Torus::first_hits);
         }
     }
 
@@ -599,25 +592,30 @@ impl Renderer {
         }
     }
 
-    /// `exact`: a cell shows what the ray through its centre hits first.
-    fn trace(&mut self, a: f64, b: f64) {
+    /// `exact`: a cell shows what the ray through its centre hits first. `first_hits` finds these hits for
+    /// N rays at a time.
+    fn trace<const N: usize>(
+        &mut self,
+        a: f64,
+        b: f64,
+        first_hits: impl Fn(&Torus, &[Ray; N]) -> [f64; N],
+    ) {
         let View { r2, k2, width, cx, cy, k1x, k1y, .. } = self.view;
         let (torus, radius) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
         for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
             let dy = (row as f64 + 0.5 - cy) / k1y;
             // The donut stays in a sphere, which appears as a circle. Only the cells of a row that are
-            // in the circle can show the donut. If the circle reaches as far as the right edge of column
-            // 0, rounding may make the loop begin with column 0. This does no harm: the ray through the
-            // centre of that cell is half a cell outside the circle, so it misses.
+            // in the circle can show the donut.
             let half_width = (radius * radius - dy * dy).max(0.0).sqrt() * k1x;
             let end = width.min((cx + half_width) as usize + 1);
-            for column in ((cx - half_width) as usize..end).step_by(LANES) {
+            for column in ((cx - half_width) as usize..end).step_by(N) {
                 let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
                 let rays = std::array::from_fn(|i| torus.ray(dx(i), dy, k2));
-                let hits = torus.first_hits(&rays);
-                for (i, cell) in cells[column..end].iter_mut().take(LANES).enumerate() {
+                let hits = first_hits(&torus, &rays);
+                let lights: [f64; N] = std::array::from_fn(|i| torus.luminance(&rays[i], hits[i]));
+                for (i, cell) in cells[column..end].iter_mut().take(N).enumerate() {
                     if hits[i] < MISS {
-                        *cell = glyph(self.ramp, torus.luminance(&rays[i], hits[i]) + TIE_BIAS);
+                        *cell = glyph(self.ramp, lights[i] + TIE_BIAS);
                     }
                 }
             }
@@ -679,17 +677,13 @@ const LANES: usize = 8;
 type Lanes = [f64; LANES];
 /// The s of a ray that misses (see `Torus`).
 const MISS: f64 = f64::INFINITY;
-/// A search for a hit has arrived when its next step is no longer than this, in units of R1.
-///
-/// Newton's method is fast: once the error is small, each step turns an error e into one of about e^2.
-/// So after a step of 1e-8, little more than rounding is left. But where the ray grazes the donut, each
-/// step only halves the error, and an error of about 1e-8 may be left. This does no harm. There the ray
-/// runs along the surface, and 1e-8 further on, its distance from the surface is still the same to
-/// within rounding.
+/// A search for a hit ends with a step no longer than this, in units of R1. Newton's method then has
+/// hardly more than rounding left to do. Only where a ray grazes the donut, the hit may be a few 1e-8 off,
+/// along the surface.
 const LAST_STEP: f64 = 1e-8;
 /// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly a
-/// whole number, and the computed one is then just below it or just above it. With this added, all
-/// machines choose the brighter of the two glyphs.
+/// whole number, and rounding would choose between two glyphs. With this added, the brighter one is drawn
+/// on every machine.
 const TIE_BIAS: f64 = 1e-12;
 
 /// The donut of one frame.
@@ -708,16 +702,14 @@ const TIE_BIAS: f64 = 1e-12;
 /// (h - R2)^2 + f^2 = 1
 /// |P|^2 + R2^2 - 1 = 2 R2 h                        because |P|^2 = h^2 + f^2
 /// (|P|^2 + R2^2 - 1)^2 = 4 R2^2 (|P|^2 - f^2)      squared
-/// G(s) = s^4 + p s^2 + q s + r = 0                 left minus right, along the ray
+/// G(s) = (s^2 + p)^2 + q s + r = 0                 left minus right, along the ray
 /// ```
 ///
 /// G is positive outside the donut, and negative inside. Because s is measured from P0, there is no
 /// cubic term, and the coefficients stay small however far away the viewer is.
 ///
-/// In some cells, f64 has too few digits to decide between two glyphs, or between a glyph and a blank.
-/// Such a cell is a tie, and may show either of the two. There are two kinds of tie:
-/// - 8 L is less than 1e-11 below a whole number.
-/// - With a tube thinner or thicker by 1e-13 (R1 + R2), the cell would show something else.
+/// Every cell shows what the ray through its centre hits, except where f64 has too few digits to decide
+/// that. tests/unit/oracle.rs says which cells these are.
 struct Torus {
     r2: f64,
     /// The axis of revolution, of length 1, after the turns by A and B. No third angle matters: a donut
@@ -726,7 +718,7 @@ struct Torus {
 }
 
 /// What `Torus` says about a ray.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Ray {
     d0: f64,
     f0: f64,
@@ -760,11 +752,14 @@ impl Torus {
 
     /// The coefficients p, q and r of the ray's G.
     fn quartic(&self, &Ray { d0, f0, fu, .. }: &Ray) -> [f64; 3] {
-        let (inner, outer, r2_r2) = (self.r2 - 1.0, self.r2 + 1.0, self.r2 * self.r2);
-        let p = 2.0 * (d0 - r2_r2 - 1.0) + 4.0 * r2_r2 * fu * fu;
+        let r2_r2 = self.r2 * self.r2;
+        // The square of the sine of the angle between the ray and the axis. Written with it, p and r are
+        // sums of small numbers where the ray looks through a nearly closed hole.
+        let sine_squared = 1.0 - fu * fu;
+        let p = d0 + r2_r2 - 1.0 - 2.0 * r2_r2 * sine_squared;
         let q = 8.0 * r2_r2 * f0 * fu;
-        let r = (d0 - inner * inner) * (d0 - outer * outer) + 4.0 * r2_r2 * f0 * f0;
-        [p, q, r]
+        let r = f0 * f0 - d0 * fu * fu - sine_squared * (1.0 - r2_r2 * fu * fu);
+        [p, q, 4.0 * r2_r2 * r]
     }
 
     /// The s where the ray enters the space that the donut stays in: a sphere of radius R1 + R2,
@@ -777,9 +772,9 @@ impl Torus {
         sphere.max(planes)
     }
 
-    /// The s of each ray's first hit. The viewer is outside the donut, so a ray hits where its G first
-    /// falls to 0. In the drawing, this is at `a`. If there is no left valley, or if it is not deep
-    /// enough, the hit is at `c`. If no valley is deep enough, the ray misses.
+    /// The s of each ray's first hit: where its G first falls to 0, because the viewer is outside the
+    /// donut. G can have two valleys, and the first hit is on the left slope of the first one that is deep
+    /// enough: at `a` in the drawing, or at `c`. If no valley is deep enough, the ray misses.
     /// ```text
     ///  G  \           .---.           /
     ///      \        .'     '.        /
@@ -792,9 +787,10 @@ impl Torus {
     /// and to the left and to the right of them it bends up. If there are no inflections, G bends up
     /// everywhere, and w is 0.
     ///
-    /// Newton's method searches for these roots. It steps from s to where the tangent of G at s is 0.
-    /// Where G bends up, it lies above its tangents, so a step that starts where G is positive never
-    /// passes a root. Where G bends down, the same holds for a step that starts where G is negative.
+    /// Each ray has a search, which walks along the ray by Newton's method: it steps from s to where the
+    /// tangent of G at s is 0. Where G bends up, it lies above its tangents, so a step that starts where G
+    /// is positive never passes a root. Where G bends down, the same holds for a step that starts where G
+    /// is negative.
     ///
     /// 1. If the ray enters left of -w, the search starts there and moves right, towards `a`. If there
     ///    is no `a`, it comes to a dead end: a place where G rises, or a step that leads to -w or past
@@ -803,21 +799,13 @@ impl Torus {
     ///    comes to where G rises, and stays there: the ray misses.
     /// 3. If G is negative at w, `c` is between -w and w, and the search moves left, towards `c`.
     ///
-    /// A search that moves right takes no step to the left, and one that moves left takes no step to the
-    /// right. Where a step would lead the wrong way, the search stays. Either G rises there, as in case
-    /// 2, or the search is so close to the root that rounding decides the direction, and it has arrived.
-    ///
-    /// Both loops end. In each pass but the last, some search moves by more than `LAST_STEP` in its one
-    /// direction, or starts again at w. Each search starts again once at most.
-    ///
-    /// A ray that arrives early still takes part in the passes that the other rays need. These passes
-    /// change its hit by no more than rounding. But a hit that only grazes may become a miss.
+    /// A search moves in one direction only, and a step that would lead the other way is not taken. So
+    /// rounding cannot make it go to and fro for ever.
     fn first_hits(&self, rays: &[Ray; LANES]) -> Lanes {
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; LANES]; 5];
         for (i, ray) in rays.iter().enumerate() {
             [p[i], q[i], r[i]] = self.quartic(ray);
-            w[i] = (p[i] * (-1.0 / 6.0)).max(0.0).sqrt();
-            // A ray that enters right of -w cannot hit at `a`.
+            w[i] = (p[i] / -3.0).max(0.0).sqrt();
             let entry = self.entry(ray);
             s[i] = if entry < -w[i] { entry } else { w[i] };
         }
@@ -829,30 +817,28 @@ impl Torus {
             for i in 0..LANES {
                 let (next, slope) = newton([p[i], q[i], r[i]], s[i]);
                 let dead_end = (s[i] < -w[i]) & ((slope >= 0.0) | (next >= -w[i]));
-                let next = larger(next, s[i]);
                 moving_right |= dead_end | (next - s[i] > LAST_STEP);
+                let next = if next > s[i] { next } else { s[i] };
                 s[i] = if dead_end { w[i] } else { next };
             }
         }
-        // A search that is still at w, although G falls there, is case 3: if G were positive at w, a
-        // step would have led to the right. It may move left as far as -w. All other searches have
-        // ended, and stay where they are.
-        let (mut left_end, mut moving_left) = (s, false);
+        // Case 3. If G were positive at w and falling, the search would have moved on from there.
+        let mut moving_left = false;
         for i in 0..LANES {
             let (_, slope) = newton([p[i], q[i], r[i]], s[i]);
-            let goes_left = (s[i] == w[i]) & (slope < 0.0);
             let misses = (s[i] >= w[i]) & (slope >= 0.0);
             s[i] = if misses { MISS } else { s[i] };
-            left_end[i] = if goes_left { -w[i] } else { s[i] };
-            moving_left |= goes_left;
+            moving_left |= s[i] == w[i];
         }
         while moving_left {
             moving_left = false;
             for i in 0..LANES {
                 let (next, _) = newton([p[i], q[i], r[i]], s[i]);
-                let next = larger(next, left_end[i]);
-                moving_left |= s[i] - next > LAST_STEP;
-                s[i] = if next < s[i] { next } else { s[i] };
+                let next = if next > -w[i] { next } else { -w[i] };
+                // The other searches are left of -w, right of w, or at MISS.
+                let goes_left = (s[i] <= w[i]) & (next < s[i]);
+                moving_left |= goes_left & (s[i] - next > LAST_STEP);
+                s[i] = if goes_left { next } else { s[i] };
             }
         }
         s
@@ -872,15 +858,9 @@ impl Torus {
 
 /// Where Newton's method steps from s, and the slope of G at s.
 fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
-    let ss = s * s;
-    let slope = 2.0 * (ss + p + ss) * s + q;
-    (s - (((ss + p) * s + q) * s + r) / slope, slope)
-}
-
-/// The larger of two numbers, or `b` if `a` is NaN. An x86 processor has one instruction for this. There
-/// `f64::max` takes several, because it also has to handle NaN in `b`.
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+    let u = s * s + p;
+    let slope = 4.0 * u * s + q;
+    (s - (u * u + (q * s + r)) / slope, slope)
 }
 
 // ---- Terminal ------------------------------------------------------------------------------------

@@ -180,17 +180,17 @@ fn numbers_are_accepted_from_one_end_of_their_range_to_the_other_and_no_further(
 
 #[test]
 fn options_that_do_not_fit_together_are_refused_with_the_rule_they_break_and_their_values() {
-    let (ring, viewer) = ("1.001 to 30 times --r1", "1.001 times the sum of --r1 and --r2");
+    let (ring, viewer) = ("1.01 to 30 times --r1", "1.001 times the sum of --r1 and --r2");
     let classic = "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5";
     for (options, values, rule) in [
         (&["--r2=10"][..], "--k2 is 5, but must be at least 11.011", viewer),
         (&["--r2=10", "--k2=11.0109"], "--k2 is 11.0109, but must be at least 11.011", viewer),
         (&["--r1=.1", "--r2=.7", "--k2=.8"], "--k2 is 0.8, but must be at least 0.8008", viewer),
         (&["--k2=1"], "--k2 is 1, but must be at least 3.003", viewer),
-        (&["--r2=0.5"], "--r2 is 0.5, but must be 1.001 to 30", ring),
-        (&["--r1=2"], "--r2 is 2, but must be 2.002 to 60", ring),
-        (&["--r2=1.0009"], "--r2 is 1.0009, but must be 1.001 to 30", ring),
-        (&["--r1=.06"], "--r2 is 2, but must be 0.06006 to 1.8", ring),
+        (&["--r2=0.5"], "--r2 is 0.5, but must be 1.01 to 30", ring),
+        (&["--r1=2"], "--r2 is 2, but must be 2.02 to 60", ring),
+        (&["--r2=1.009"], "--r2 is 1.009, but must be 1.01 to 30", ring),
+        (&["--r1=.06"], "--r2 is 2, but must be 0.0606 to 1.8", ring),
         (&["--method=classic", "--r2=3"], "but these are 1, 3 and 5", classic),
     ] {
         assert_refused(options, &[values, rule]);
@@ -224,7 +224,7 @@ fn lengths_are_accepted_up_to_the_ends_of_their_ranges_and_ratios() {
         ("1", "2", "1000000"),
         ("1", "2", "3.003"),
         ("0.7", "21", "21.7217"),
-        ("0.1", "0.1001", "1"),
+        ("0.1", "0.101", "1"),
         ("0.3", "9", "9.3093"),
     ] {
         output_of(&["--frames=0", "--r1", r1, "--r2", r2, "--k2", k2]);

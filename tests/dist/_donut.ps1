@@ -32,7 +32,7 @@ Register-ArgumentCompleter -Native -CommandName 'donut' -ScriptBlock {
             [CompletionResult]::new('--height', '--height', [CompletionResultType]::ParameterName, 'Rows [default: all but 2, or 22 in a pipe]')
             [CompletionResult]::new('--aspect', '--aspect', [CompletionResultType]::ParameterName, 'Height of a cell divided by its width')
             [CompletionResult]::new('--r1', '--r1', [CompletionResultType]::ParameterName, 'Radius of the tube')
-            [CompletionResult]::new('--r2', '--r2', [CompletionResultType]::ParameterName, 'Radius of the ring, 1.001 to 30 times --r1')
+            [CompletionResult]::new('--r2', '--r2', [CompletionResultType]::ParameterName, 'Radius of the ring, 1.01 to 30 times --r1')
             [CompletionResult]::new('--k2', '--k2', [CompletionResultType]::ParameterName, 'Distance from you to the centre of the donut')
             [CompletionResult]::new('-h', '-h', [CompletionResultType]::ParameterName, 'Print help (see more with ''--help'')')
             [CompletionResult]::new('--help', '--help', [CompletionResultType]::ParameterName, 'Print help (see more with ''--help'')')

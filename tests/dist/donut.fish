@@ -27,7 +27,7 @@ complete -c donut -l width -d 'Columns [default: all, or 80 in a pipe]' -r -f
 complete -c donut -l height -d 'Rows [default: all but 2, or 22 in a pipe]' -r -f
 complete -c donut -l aspect -d 'Height of a cell divided by its width' -r -f
 complete -c donut -l r1 -d 'Radius of the tube' -r -f
-complete -c donut -l r2 -d 'Radius of the ring, 1.001 to 30 times --r1' -r -f
+complete -c donut -l r2 -d 'Radius of the ring, 1.01 to 30 times --r1' -r -f
 complete -c donut -l k2 -d 'Distance from you to the centre of the donut' -r -f
 complete -c donut -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c donut -s V -l version -d 'Print version'

@@ -118,7 +118,7 @@ fn the_manual_page_says_which_values_are_allowed() {
     // Some options are not allowed together. The page states these rules in the same words as the
     // program's error messages.
     for (options, rule) in [
-        (&["--r2=0.5"][..], "1.001 to 30 times --r1"),
+        (&["--r2=0.5"][..], "1.01 to 30 times --r1"),
         (&["--k2=1"], "at least 1.001 times the sum of --r1 and --r2"),
         (
             &["--method=classic", "--r2=3"],

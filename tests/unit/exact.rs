@@ -36,12 +36,18 @@ const SCENES: [(f64, f64); 7] = [
     (OPEN, (1.0 + OPEN) * LEAST_DISTANCE_RATIO),
 ];
 
-/// What `exact` sees in the direction (dx, dy, 1): 8 L, or nothing.
+/// What `exact` sees in the direction (dx, dy, 1): 8 L, or nothing. What it sees has to be on the surface.
 fn look(torus: &Torus, k2: f64, dx: f64, dy: f64) -> Option<f64> {
     let ray = torus.ray(dx, dy, k2);
     let [s, ..] = torus.first_hits(&[ray; LANES]);
-    assert!(!s.is_nan());
-    (s < MISS).then(|| 8.0 * torus.luminance(&ray, s))
+    if s == MISS {
+        return None;
+    }
+    let f = ray.f0 + ray.fu * s;
+    let h = (ray.d0 + s * s - f * f).sqrt();
+    let distance = f64::hypot(h - torus.r2, f) - 1.0;
+    assert!(distance.abs() < 1e-13 * (1.0 + torus.r2), "{distance}: R2 {}, {ray:?}", torus.r2);
+    Some(8.0 * torus.luminance(&ray, s))
 }
 
 /// Lets the oracle judge what `exact` sees in the direction (dx, dy, 1), and counts the verdict.
@@ -169,6 +175,20 @@ fn where_rounding_could_give_either_of_two_glyphs_the_brighter_one_is_drawn() {
         }
     }
     assert!(ties > 100, "{ties}");
+}
+
+/// This ray touches the tube 1.4e-16 deep, where 8 L is 8.00000035. A tube that it touches less deeply
+/// shows a darker glyph, because 8 L is below 8 at the point that is touched first.
+#[test]
+fn a_cell_whose_ray_grazes_the_tube_at_a_whole_8_l_may_show_two_glyphs_or_a_blank() {
+    let view = View::new(201, 28, 2.0, 15.318159874289174, 16.341233645768479);
+    let (a, b) = (1.4088894535754117, 2.6220669461073398);
+    let (dx, dy) = direction(&view, 113.5, 17.5);
+    let oracle = oracle_of(&view, a, b);
+    let verdicts = [None, Some(7), Some(8), Some(6)].map(|drawn| oracle.judge(dx, dy, drawn));
+    assert_eq!(verdicts, [Verdict::Tie, Verdict::Tie, Verdict::Right, Verdict::Shade]);
+    let drawn = level(draw(Method::Exact, view, a, b)[201 * 17 + 113]);
+    assert_ne!(oracle.judge(dx, dy, drawn), Verdict::Shade);
 }
 
 #[test]
@@ -388,36 +408,43 @@ fn turned([a, b, dx, dy]: [f64; 4]) -> [f64; 4] {
 }
 
 /// A search that begins exactly at -w, or comes there with a step, has to start again at w: a step from
-/// -w itself may leap over the root. To find such rays, this takes an angle A at which the search is on
-/// one side of -w, and one at which it is on the other side, and halves the interval between them.
+/// -w itself may leap over the root. So has a search that begins where the slope is exactly 0: no step
+/// leads on from there. To find such rays, this takes an angle A at which `position` is negative, and one
+/// at which it is positive, and halves the interval between them.
 #[test]
-fn rays_whose_search_meets_minus_w_exactly_are_right() {
-    let (mut random, mut tally) = (Random(2013), Tally::default());
-    for n in 0..160_000 {
+fn rays_whose_search_begins_on_the_very_edge_are_right() {
+    let (mut random, mut counts, mut tally) = (Random(2013), [0; 3], Tally::default());
+    for n in 0..200_000 {
         let (r2, k2) = [(2.0, 5.0), (2.0, 1e6), (1.1, 5.0), (1.1, 50.0)][n % 4];
+        let edge = n / 4 % 3;
         let radius = apparent_radius(r2, k2);
         let [dx, dy] = [(); 2].map(|_| radius * random.between(-1.0, 1.0));
         let [from, to, b] = [(); 3].map(|_| random.between(0.0, 7.0));
         let angle = |t: f64| from + t * (to - from);
-        // How far right of -w the search is where it begins, or after a step.
         let position = |t: f64| {
             let torus = Torus::new(r2, angle(t), b);
             let ray = torus.ray(dx, dy, k2);
             let [p, q, r] = torus.quartic(&ray);
-            let (s, w) = (torus.entry(&ray), (p * (-1.0 / 6.0)).max(0.0).sqrt());
-            let takes_a_step = n / 4 % 2 == 1 && s < -w;
-            if takes_a_step { newton([p, q, r], s).0 + w } else { s + w }
+            let (s, w) = (torus.entry(&ray), (p / -3.0).max(0.0).sqrt());
+            let (next, slope) = newton([p, q, r], s);
+            match edge {
+                1 if s < -w => next + w,
+                2 if s < -w => slope,
+                _ => s + w,
+            }
         };
         let is_left = |t: f64| position(t) < 0.0;
         if is_left(0.0) != is_left(1.0) {
             let ends = bisect(|t| is_left(t) != is_left(0.0));
             for t in ends.into_iter().filter(|&t| position(t) == 0.0) {
                 judge(&mut tally, (r2, k2), [angle(t), b, dx, dy]);
+                counts[edge] += 1;
             }
         }
     }
+    println!("{counts:?}");
     tally.assert_right();
-    assert!(tally.cells > 1000);
+    assert!(counts.iter().all(|&count| count > 100), "{counts:?}");
 }
 
 /// A ray with a triple root at -w, whose G is (s + w)^3 (s - 3 w): the angle A, dx and dy, at B = 0.
@@ -519,16 +546,6 @@ fn no_pose_is_cut_off_and_the_donut_is_as_large_as_it_can_be() {
             let upright = sees(FRAC_PI_2, FRAC_PI_2, view.cx, 1.0 + inside);
             assert!(lying || upright, "{width}x{height}");
         }
-    }
-}
-
-#[test]
-fn the_apparent_radius_is_right_however_near_the_viewer_is() {
-    // Computed as `radius / sqrt(K2^2 - radius^2)`, it would lose digits where K2 is next to the radius.
-    for k2 in [3.0 * LEAST_DISTANCE_RATIO, 3.01, 3.1, 3.7, 5.0] {
-        let gap = k2 - 3.0;
-        let expected = 3.0 / (gap * (6.0 + gap)).sqrt();
-        assert!((apparent_radius(2.0, k2) / expected - 1.0).abs() < 1e-15, "{k2}");
     }
 }
 

@@ -13,6 +13,15 @@
 //!   as rounding allows.
 //!
 //! There is no polynomial, no derivative, and nothing that has to converge.
+//!
+//! In some cells, f64 has too few digits to decide what is right. Such a cell is a *tie*, and two kinds of
+//! answers are right there as well:
+//!
+//! - the next glyph, where 8 L is less than 1e-11 below a whole number,
+//! - what some other tube shows, thinner or thicker by at most 1e-13 (R1 + R2).
+//!
+//! Where such a tube begins to touch the ray, three answers may be right: a blank, the glyph of the point
+//! that is touched first, and the glyph that the oracle sees.
 
 /// A torus turned and seen from `k2` away, in any unit of length.
 pub struct Oracle {
@@ -23,11 +32,9 @@ pub struct Oracle {
     pub axes: [[f64; 3]; 3],
 }
 
-/// Where 8 L is less than this below a whole number, either of the two glyphs is right: `exact` adds
-/// `TIE_BIAS` to L, and its sums and products are rounded.
+/// `exact` adds `TIE_BIAS` to L, and its sums and products are rounded.
 const LEVEL_TIE: f64 = 1e-11;
-/// A tube thinner or thicker by this, in units of R1 + R2, is the same to f64. What either tube would
-/// show is right as well.
+/// In units of R1 + R2.
 const GRAZE_TIE: f64 = 1e-13;
 
 pub fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {
@@ -69,13 +76,26 @@ impl Oracle {
         if truth.map(level) == drawn {
             return Verdict::Right;
         }
-        let blur = GRAZE_TIE * (self.r1 + self.r2);
-        let undecided = [0.0, -blur, blur].into_iter().any(|blur| {
-            let light = self.look_at_tube(self.r1 + blur, dx, dy);
+        let explains = |light: Option<f64>| {
             light.map(level) == drawn || light.map(|light| level(light + LEVEL_TIE)) == drawn
-        });
+        };
+        let blur = GRAZE_TIE * (self.r1 + self.r2);
+        let mut tubes = [self.r1 - blur, self.r1 + blur];
+        let mut lights = tubes.map(|r1| self.look_at_tube(r1, dx, dy));
+        let mut is_tie = explains(truth) || lights.into_iter().any(explains);
+        // Between two tubes that show different things, one begins to touch the ray.
+        while !is_tie && has_jump(lights) {
+            let middle = (tubes[0] + tubes[1]) / 2.0;
+            if tubes.contains(&middle) {
+                break;
+            }
+            let light = self.look_at_tube(middle, dx, dy);
+            is_tie = explains(light);
+            let side = usize::from(has_jump([lights[0], light]));
+            (tubes[side], lights[side]) = (middle, light);
+        }
         match (truth, drawn) {
-            _ if undecided => Verdict::Tie,
+            _ if is_tie => Verdict::Tie,
             (Some(_), None) => Verdict::Hole,
             (None, _) => Verdict::Extra,
             _ => Verdict::Shade,
@@ -104,6 +124,14 @@ impl Oracle {
         };
         let (nearest, reach) = (-dot(q, u), 1.001 * (r1 + self.r2));
         search(&measure, nearest, reach, 1e-14 * reach)
+    }
+}
+
+/// Whether two lights are those of different places, or of a place and of none.
+fn has_jump(lights: [Option<f64>; 2]) -> bool {
+    match lights {
+        [Some(one), Some(other)] => (one - other).abs() > 0.5,
+        [one, other] => one.is_some() != other.is_some(),
     }
 }
 

@@ -10,33 +10,6 @@
 
 use crate::tests::*;
 
-/// Draws as the program's `trace` does, but finds the hits by `first_hits`, which is given N rays at a
-/// time.
-pub fn trace_with<const N: usize>(
-    (a, b): (f64, f64),
-    view: &View,
-    framebuffer: &mut [u8],
-    first_hits: impl Fn(&Torus, &[Ray; N]) -> [f64; N],
-) {
-    let View { r2, k2, width, cx, cy, k1x, k1y, .. } = *view;
-    let (torus, radius) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
-    for (row, cells) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
-        let dy = (row as f64 + 0.5 - cy) / k1y;
-        let half = (radius * radius - dy * dy).max(0.0).sqrt() * k1x;
-        let (first, last) = ((cx - half) as usize, ((cx + half) as usize + 1).min(width));
-        for column in (first..last).step_by(N) {
-            let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
-            let rays = std::array::from_fn(|i| torus.ray(dx(i), dy, k2));
-            let hits = first_hits(&torus, &rays);
-            for (i, cell) in cells[column..last].iter_mut().take(N).enumerate() {
-                if hits[i] < MISS {
-                    *cell = glyph(RAMP, torus.luminance(&rays[i], hits[i]) + TIE_BIAS);
-                }
-            }
-        }
-    }
-}
-
 /// How many rays sphere tracing follows side by side.
 const RAYS: usize = 16;
 
@@ -135,6 +108,12 @@ macro_rules! closed_form {
 closed_form!(first_root_f32, f32);
 closed_form!(first_root_f64, f64);
 
+/// The coefficients of `s^4 + p s^2 + q s + r`, which is the program's G multiplied out.
+pub fn plain_quartic(torus: &Torus, ray: &Ray) -> [f64; 3] {
+    let [p, q, r] = torus.quartic(ray);
+    [2.0 * p, q, p * p + r]
+}
+
 /// Newton's method with a single start: the point where the ray enters the sphere round the donut.
 ///
 /// The ray hits where the search ends. It misses if that is outside the sphere, or if 64 steps are
@@ -142,7 +121,7 @@ closed_form!(first_root_f64, f64);
 pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
     let radius = 1.0 + torus.r2;
     let half = (radius * radius - ray.d0).max(0.0).sqrt();
-    let ([p, q, r], mut s) = (torus.quartic(ray), -half);
+    let ([p, q, r], mut s) = (plain_quartic(torus, ray), -half);
     for _ in 0..64 {
         let slope = (4.0 * s * s + 2.0 * p) * s + q;
         let step = (((s * s + p) * s + q) * s + r) / slope;
