@@ -245,7 +245,7 @@ pub fn clock(errors: &[(u32, f64)]) -> Result<String> {
         range: [5e-5, 1e5],
         marks: turns.map(|(turns, name)| (turns, name.to_string())).into(),
     };
-    let title = "donut.c's angle A is a whole turn off in two hours";
+    let title = "donut.c's angle A is a whole turn off in 1.8 hours";
     let y_title = "largest error of A so far, in turns (logarithmic scale)";
     let x_title = "running time, at 30 frames a second (logarithmic scale)";
     chart(360, |area| {
