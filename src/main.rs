@@ -2,16 +2,7 @@
 //!
 //! donut.c fills a terminal of 80 columns and 24 rows with a picture of 80 by 22 characters. At that
 //! size this program draws the same picture, byte for byte. A picture of any other size has no original
-//! that it could match. Unless an option says otherwise, such a picture is ray-traced, and every
-//! character in it is exactly right.
-//!
-//! # Notation
-//!
-//! The letters R1, R2, K1, K2, A, B and L come from the [article] in which Andy Sloane explains donut.c.
-//! Here A and B are the angles of donut.c itself. Its A is pi/2 minus the article's A, and its B is
-//! minus the article's B. All angles are in radians.
-//!
-//! The axes are those of donut.c as well: x goes right, y goes *down*, and z goes away from the viewer.
+//! that it could match, so it is ray-traced, unless an option says otherwise.
 //!
 //! # How donut.c draws a donut
 //!
@@ -34,7 +25,8 @@
 //!
 //! donut.c has R1 = 1, R2 = 2 and K2 = 5. The screen is a grid of cells, one for each character. K1, the
 //! distance of the screen, is measured in cells: it is 30 columns or 15 rows, because a cell is twice as
-//! tall as it is wide.
+//! tall as it is wide. The x axis goes right, the y axis goes *down*, and the z axis goes away from the
+//! viewer.
 //!
 //! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps
 //! of 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one
@@ -67,6 +59,10 @@
 //! whole part of 8 L is an index, from 0 to 11, into a ramp of twelve characters from dark to bright,
 //! `.,-~:;=!*#$@`. Where L is negative, the surface faces away from the light, and the index is 0.
 //!
+//! The letters R1, R2, K1, K2, A, B and L are those of the [article] in which Andy Sloane explains
+//! donut.c. But A and B are the angles of donut.c itself: its A is pi/2 minus the article's A, and its B
+//! is minus the article's B. All angles are in radians.
+//!
 //! # Two methods
 //!
 //! `classic` is all of the above: for each sample, it asks which cell the sample falls into. `exact`
@@ -89,7 +85,7 @@ use std::{env, panic, thread};
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
-use crossterm::cursor::{Hide, Show};
+use crossterm::cursor::{Hide, MoveToColumn, Show};
 use crossterm::queue;
 use crossterm::style::{self, Color, ResetColor, SetForegroundColor};
 use crossterm::terminal::{
@@ -119,8 +115,8 @@ struct Options {
     fps: f64,
     /// Stop after N frames; the last one stays on the screen
     ///
-    /// On a terminal, the screen is cleared, the frames are drawn from its
-    /// top, and the prompt comes below the last one.
+    /// On a terminal, the frames are drawn from the top of the screen, and
+    /// the prompt comes below the last one.
     #[arg(long, help_heading = "Motion", value_name = "N", verbatim_doc_comment)]
     #[arg(value_parser = within(0..=1_000_000_000_000_u64))]
     frames: Option<u64>,
@@ -140,13 +136,7 @@ struct Options {
     #[arg(default_value = "0", value_parser = within(ANGLES))]
     b: f64,
     /// How to draw
-    ///
-    /// Classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5. As in
-    /// donut.c, its angles lose precision with time. With the default
-    /// --spin, too little is left after 31 hours at 30 frames a second. Then
-    /// auto switches to exact, and the donut's outline gets thinner.
-    #[arg(long, help_heading = "Look", verbatim_doc_comment)]
-    #[arg(value_enum, default_value_t, hide_default_value = true)]
+    #[arg(long, help_heading = "Look", value_enum, default_value_t, hide_default_value = true)]
     method: Method,
     /// Colour: a name, 0 to 255, or '#rrggbb'
     ///
@@ -158,10 +148,8 @@ struct Options {
     color: Option<Color>,
     /// Columns [default: all, or 80 in a pipe]
     ///
-    /// From 1 to 4096, but on a terminal no more than its columns. donut.c
-    /// writes a newline in place of the first column, which stays empty.
-    #[arg(long, help_heading = "Size", value_name = "COLS", verbatim_doc_comment)]
-    #[arg(value_parser = within(SIZES))]
+    /// From 1 to 4096, but on a terminal no more than its columns.
+    #[arg(long, help_heading = "Size", value_name = "COLS", value_parser = within(SIZES))]
     width: Option<u16>,
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
@@ -210,7 +198,7 @@ enum Method {
     Auto,
     /// As donut.c does: plot many points, and let the nearest win
     Classic,
-    /// Follow a ray through the centre of each cell
+    /// Follow a ray through the middle of each character
     Exact,
 }
 
@@ -224,7 +212,7 @@ fn within<T: FromStr + PartialOrd + Display + Clone>(
 ) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let number = text.parse().ok().filter(|number| range.contains(number));
-        // Only a type of whole numbers has no 0.5.
+        // Types of whole numbers cannot parse 0.5.
         let kind = if "0.5".parse::<T>().is_ok() { "number" } else { "whole number" };
         let (least, most) = (range.start(), range.end());
         number.ok_or_else(|| format!("expected a {kind} from {least} to {most}"))
@@ -253,16 +241,16 @@ fn parse_color(text: &str) -> Result<Color, String> {
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
-/// The range of R2 / R1, beyond which no picture looks like a donut. Below 1.01, the hole is less than 20
-/// cells across, even in a picture of 4096 columns. Above 30, the tube of a donut far away is less than
-/// three columns thick in a picture of 80 columns.
+/// The range of R2 / R1, beyond which no picture looks like a donut. At 1.01, the hole is some 20 cells
+/// across in a picture of 4096 columns. At 30, the tube of a donut far away is less than three columns
+/// thick in a picture of 80 columns.
 const RING_RATIOS: RangeInclusive<f64> = 1.01..=30.0;
 /// The least K2 / (R1 + R2). At this distance, a donut that is seen edge-on already fills 175 degrees of
 /// the view.
 const LEAST_DISTANCE_RATIO: f64 = 1.001;
 
 /// Undoes the rounding of a product or quotient of two lengths: in f64, 0.35 / 0.07 is slightly less than
-/// 5. A number with at most six decimals was meant if it is within a relative 1e-15 of the result.
+/// 5. If a number with at most six decimals is as close as that to the result, that number was meant.
 fn snap_to_decimal(result: f64) -> f64 {
     let decimal = (1e6 * result).round() / 1e6;
     if (result - decimal).abs() < 1e-15 * result { decimal } else { result }
@@ -335,8 +323,8 @@ fn run(options: &Options) -> io::Result<()> {
 }
 
 /// donut.c's `for (;;)`. In a pipe, there is nothing to do but to draw each frame when it is due. On a
-/// terminal, the loop also looks for signals, keys and a new size, at least every INTERVAL. So in some of
-/// its rounds no frame is due, for example while the donut is paused.
+/// terminal, the loop also looks for signals, keys and a new size every INTERVAL or so. So in some of its
+/// rounds no frame is due, for example while the donut is paused.
 fn play(options: &Options, console: &Console) -> io::Result<()> {
     let interval = match options.fps {
         0.0 => Duration::ZERO,
@@ -355,7 +343,8 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
             break;
         }
         let is_in_foreground = console.is_in_foreground();
-        // If the program was stopped, another program may have changed the screen or the settings.
+        // In the background, the program leaves the terminal and waits. If it was stopped, it leaves the
+        // terminal to enter it anew, because another program may have changed the screen or the settings.
         if console.was_continued.swap(false, SeqCst) || !is_in_foreground {
             console.leave()?;
         }
@@ -363,10 +352,10 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
             thread::sleep(INTERVAL);
             continue;
         }
-        let (just_entered, new_size) = (console.enter()?, console.size()?);
-        let clear = just_entered || new_size != size;
-        if clear {
-            size = new_size;
+        let mut clear = console.enter()?;
+        let new_size = console.size()?;
+        if new_size != size {
+            (size, clear) = (new_size, true);
             renderer = Renderer::new(options.view(size), renderer.method, renderer.ramp);
         }
         let mut redraw = clear;
@@ -379,7 +368,8 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
                     redraw = true;
                 }
                 CTRL_Z => {
-                    console.suspend()?;
+                    console.leave()?;
+                    system::stop_job();
                     continue 'rounds;
                 }
                 _ => {}
@@ -393,7 +383,7 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
             }
             frame += 1;
             // Each frame is due one interval after the one before was due, so that delays do not add up.
-            // But after a stall, missed frames are not made up.
+            // But after a stall, the missed frames do not come in a burst.
             due = (due + interval).max(Instant::now());
         }
         if is_due || redraw {
@@ -407,9 +397,10 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
 
 /// The method, `Classic` or `Exact`, that draws the frame with these angles.
 ///
-/// `Auto` draws donut.c's own picture with `Classic`, as long as the floats next to both angles are at most
-/// a quarter of the spin apart, or 0.0002. With donut.c's own start and spin, that is so until frame
-/// 3,345,245. There A passes 2^17, where floats are 1/64 apart, so that adding 0.04 adds 3/64, or 0.047.
+/// `Auto` draws donut.c's own picture with `Classic`, as long as floats as large as the angles are at most a
+/// quarter of the spin apart. (If the spin is tiny, 0.0002 will do.) With donut.c's own start and spin, that
+/// is so until frame 3,345,245. There A passes 2^17, where floats are 1/64 apart, so that adding 0.04 adds
+/// 3/64, or 0.047.
 fn method_now(option: Method, view: &View, angles: [f64; 2], spin: [f64; 2]) -> Method {
     let are_close = (0..2).all(|i| {
         let float = angles[i].abs() as f32;
@@ -493,14 +484,13 @@ const FLAT: &[u8; 12] = &[b'.'; 12];
 
 /// The character of a luminance L: the whole part of 8 L is its place in the ramp.
 fn glyph(ramp: &[u8; 12], luminance: f64) -> u8 {
-    // Where the surface faces away from the light, L is negative, and `as u8` makes it 0. On the donut,
-    // 8 L is at most 11.3. Whatever L is, `min` keeps the index within the ramp.
+    // Where the surface faces away from the light, L is negative, and `as u8` makes it 0.
     ramp[usize::from((8.0 * luminance) as u8).min(11)]
 }
 
 struct Renderer {
     view: View,
-    /// `Classic` or `Exact`.
+    /// `Classic` or `Exact`, once a frame is drawn.
     method: Method,
     ramp: &'static [u8; 12],
     /// The character in each cell: `width * height` bytes, row by row, blank where there is no donut.
@@ -509,9 +499,9 @@ struct Renderer {
     /// framebuffer, because in donut.c's own view some samples fall below the picture, by up to two
     /// rows.
     zbuffer: Vec<f32>,
-    /// For `classic`: the sines and the cosines of every theta, and those of every phi. These tables can
-    /// be long, so they are made when they are first needed.
-    tables: Option<[(Vec<f32>, Vec<f32>); 2]>,
+    /// For `classic`: the tables of theta and of phi. They can be long, so they are made when they are
+    /// first needed.
+    tables: Option<[TrigTable; 2]>,
 }
 
 impl Renderer {
@@ -559,9 +549,9 @@ impl Renderer {
                 x[i] = cx + k1x * ooz[i] * (cos_phi * h * cos_b - t * sin_b);
                 y[i] = cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b);
             }
-            // donut.c tests whether a sample is in the picture. Here, `reset_zbuffer` sees to that. (A
-            // sample may also fall on the right edge of the picture, where x is `width`. It is then
-            // taken for one in column 0 of the next row, which stays blank.)
+            // donut.c skips the samples that are not in the picture. Here the z-buffer keeps them from
+            // showing. (A sample on the right edge of the picture, where x is `width`, is taken for one
+            // in column 0 of the next row.)
             for i in 0..count {
                 cells[i] = floor(x[i]) + width as u32 * floor(y[i]);
             }
@@ -579,11 +569,9 @@ impl Renderer {
         }
     }
 
-    /// Prepares the z-buffer for a frame.
-    ///
-    /// The z-buffer holds 1/z, so 0 means infinitely far: any sample is nearer, and shows. Infinity
-    /// means that something is right before the viewer's eye: no sample is nearer, so row 0, column 0
-    /// and the rows below the picture stay blank.
+    /// Prepares the z-buffer for a frame. It holds 1/z, so 0 is infinitely far, and any sample is nearer.
+    /// Infinity is no distance at all, and no sample is nearer, so row 0, column 0 and the rows below the
+    /// picture stay blank.
     fn reset_zbuffer(&mut self) {
         let View { width, height, .. } = self.view;
         self.zbuffer.fill(f32::INFINITY);
@@ -593,7 +581,7 @@ impl Renderer {
     }
 
     /// `exact`: a cell shows what the ray through its centre hits first. `first_hits` finds these hits for
-    /// N rays at a time.
+    /// N rays at a time. (The tests pass other methods, to compare them.)
     fn trace<const N: usize>(
         &mut self,
         a: f64,
@@ -628,16 +616,18 @@ impl Renderer {
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart. In a larger
-/// picture the same steps would leave gaps. So both steps shrink by the factor by which k1x or k1y,
-/// whichever is larger, exceeds donut.c's 30.
+/// picture the same steps would leave gaps. So if the larger of k1x and k1y is n times donut.c's k1x, the
+/// steps are an n-th of donut.c's.
 fn angle_steps(view: &View) -> [f64; 2] {
     let shrink = f64::min(1.0, View::DONUT_C.k1x / view.k1x.max(view.k1y));
     [0.07 * shrink, 0.02 * shrink]
 }
 
-/// The sines and the cosines of the angles that donut.c's loop runs through: 0, `step`, and so on, once
-/// round.
-fn trig_table(step: f64) -> (Vec<f32>, Vec<f32>) {
+/// The sines and the cosines of the angles that one of donut.c's loops runs through.
+type TrigTable = (Vec<f32>, Vec<f32>);
+
+/// The table for the angles 0, `step`, and so on, once round.
+fn trig_table(step: f64) -> TrigTable {
     let angles = std::iter::successors(Some(0.0), |&angle| Some(add_step(angle, step)));
     // donut.c stops at 6.28. With its own steps, TAU gives the same angles. Shorter steps would leave a
     // gap between 6.28 and TAU.
@@ -662,10 +652,10 @@ fn sin_cos(angle: f32) -> (f32, f32) {
 /// the value to a whole number, and leaves this number in the low bits of the sum. If it was rounded up,
 /// it is one too large.
 fn floor(value: f32) -> u32 {
-    const WHOLE: f32 = 8_388_608.0;
-    let rounded = value + WHOLE;
-    let is_up = rounded - WHOLE > value;
-    rounded.to_bits() - WHOLE.to_bits() - u32::from(is_up)
+    const TWO_TO_23: f32 = 8_388_608.0;
+    let rounded = value + TWO_TO_23;
+    let is_up = rounded - TWO_TO_23 > value;
+    rounded.to_bits() - TWO_TO_23.to_bits() - u32::from(is_up)
 }
 
 // ---- exact: rays and a torus ---------------------------------------------------------------------
@@ -708,16 +698,15 @@ const TIE_BIAS: f64 = 1e-12;
 /// G is positive outside the donut, and negative inside. Because s is measured from P0, there is no
 /// cubic term, and the coefficients stay small however far away the viewer is.
 ///
-/// Every cell shows what the ray through its centre hits, except where f64 has too few digits to decide
-/// that. tests/unit/oracle.rs says which cells these are.
+/// f64 has too few digits to decide what a few of the cells should show. tests/unit/oracle.rs explains
+/// these ties.
 struct Torus {
     r2: f64,
-    /// The axis of revolution, of length 1, after the turns by A and B. No third angle matters: a donut
-    /// turned about its own axis looks the same.
+    /// The axis of revolution, of length 1, after the turns by A and B.
     axis: [f64; 3],
 }
 
-/// What `Torus` says about a ray.
+/// A ray, as the numbers that `Torus` explains.
 #[derive(Clone, Copy, Debug)]
 struct Ray {
     d0: f64,
@@ -750,11 +739,12 @@ impl Torus {
         }
     }
 
-    /// The coefficients p, q and r of the ray's G.
+    /// The coefficients p, q and r of the ray's G. p follows from the terms with s^2 in the two squares
+    /// above, q from those with s, and r is what is left.
     fn quartic(&self, &Ray { d0, f0, fu, .. }: &Ray) -> [f64; 3] {
         let r2_r2 = self.r2 * self.r2;
-        // The square of the sine of the angle between the ray and the axis. Written with it, p and r are
-        // sums of small numbers where the ray looks through a nearly closed hole.
+        // The square of the sine of the angle between the ray and the axis. With it, no large numbers
+        // cancel in p and r where the ray looks through a nearly closed hole.
         let sine_squared = 1.0 - fu * fu;
         let p = d0 + r2_r2 - 1.0 - 2.0 * r2_r2 * sine_squared;
         let q = 8.0 * r2_r2 * f0 * fu;
@@ -772,18 +762,18 @@ impl Torus {
         sphere.max(planes)
     }
 
-    /// The s of each ray's first hit: where its G first falls to 0, because the viewer is outside the
-    /// donut. G can have two valleys, and the first hit is on the left slope of the first one that is deep
-    /// enough: at `a` in the drawing, or at `c`. If no valley is deep enough, the ray misses.
+    /// The s of each ray's first hit. G is positive at the viewer, who is outside the donut, so the first
+    /// hit is where G first falls to 0. G can have two valleys, and it falls to 0 in the first one that is
+    /// deep enough: at s1 in the drawing, or at s3. If no valley is deep enough, the ray misses.
     /// ```text
     ///  G  \           .---.           /
     ///      \        .'     '.        /
-    ///  -----a------b---------c------d---> s
+    ///  -----s1----s2---------s3----s4---> s
     ///        '.  .'           '.  .'
     ///          ''  -w        w  ''
     /// ```
     ///
-    /// -w and w are the inflections of G, which need not be at `b` and `c`. Between them G bends down,
+    /// -w and w are the inflections of G, which need not be at s2 and s3. Between them G bends down,
     /// and to the left and to the right of them it bends up. If there are no inflections, G bends up
     /// everywhere, and w is 0.
     ///
@@ -792,15 +782,18 @@ impl Torus {
     /// is positive never passes a root. Where G bends down, the same holds for a step that starts where G
     /// is negative.
     ///
-    /// 1. If the ray enters left of -w, the search starts there and moves right, towards `a`. If there
-    ///    is no `a`, it comes to a dead end: a place where G rises, or a step that leads to -w or past
-    ///    it. The search then starts again, at w. A ray that enters further right is searched from w.
-    /// 2. If G is positive at w, the search moves on to the right, towards `c`. If there is no `c`, it
-    ///    comes to where G rises, and stays there: the ray misses.
-    /// 3. If G is negative at w, `c` is between -w and w, and the search moves left, towards `c`.
+    /// 1. If the ray enters left of -w, the search starts there and moves right, towards s1. If there
+    ///    is no s1, it comes to a dead end: a place where G rises, or a step that leads to -w or past
+    ///    it. The search then starts again, at w. If the ray enters further right, there is no s1, and
+    ///    the search starts at w.
+    /// 2. If G is positive at w (it is not in the drawing), it has been positive all the way, because it
+    ///    bends down between -w and w. The search moves right, towards s3. If there is no s3, it comes to
+    ///    where G rises, and stays there: the ray misses.
+    /// 3. If G is negative at w, it has fallen to 0 once since -w, at s3. The search moves left, towards
+    ///    s3.
     ///
-    /// A search moves in one direction only, and a step that would lead the other way is not taken. So
-    /// rounding cannot make it go to and fro for ever.
+    /// In each of the three cases a search moves in one direction, and a step that would lead the other way
+    /// is not taken. So rounding cannot make it go to and fro for ever.
     fn first_hits(&self, rays: &[Ray; LANES]) -> Lanes {
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; LANES]; 5];
         for (i, ray) in rays.iter().enumerate() {
@@ -822,7 +815,9 @@ impl Torus {
                 s[i] = if dead_end { w[i] } else { next };
             }
         }
-        // Case 3. If G were positive at w and falling, the search would have moved on from there.
+        // Where G rises at w or to the right of it, it goes on rising, so the ray misses. A search that is
+        // still at w, although G falls there, is case 3: if G were positive, a step would have led to the
+        // right.
         let mut moving_left = false;
         for i in 0..LANES {
             let (_, slope) = newton([p[i], q[i], r[i]], s[i]);
@@ -835,7 +830,7 @@ impl Torus {
             for i in 0..LANES {
                 let (next, _) = newton([p[i], q[i], r[i]], s[i]);
                 let next = if next > -w[i] { next } else { -w[i] };
-                // The other searches are left of -w, right of w, or at MISS.
+                // All other searches stay: right of w or at MISS, or left of -w, and so of `next`.
                 let goes_left = (s[i] <= w[i]) & (next < s[i]);
                 moving_left |= goes_left & (s[i] - next > LAST_STEP);
                 s[i] = if goes_left { next } else { s[i] };
@@ -868,8 +863,8 @@ fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
 // A program that only writes to a pipe would need little of what follows. The rest makes this one a good
 // guest on a terminal: when the program ends or stops, the shell finds its terminal as it was.
 
-/// How long the loop sleeps at most, how long the rest of a key's code may take to arrive, and how long a
-/// signal waits for a terminal that takes no output.
+/// The longest sleep of the loop, the time that the rest of a key's code may take to arrive, and the time
+/// that a write may take once a signal has come.
 const INTERVAL: Duration = Duration::from_millis(50);
 
 const ESCAPE: u8 = 0x1b;
@@ -902,9 +897,7 @@ impl Console {
     fn open(options: &Options) -> io::Result<&'static Console> {
         let (file, is_terminal) = system::open_output()?;
         if is_terminal && env::var_os("TERM").is_some_and(|term| term == "dumb") {
-            return Err(io::Error::other(
-                "TERM is dumb: this terminal cannot show moving pictures",
-            ));
+            return Err(io::Error::other("TERM is dumb, but the picture needs escape codes"));
         }
         style::force_color_output(true); // --color is explicit, so it overrides NO_COLOR.
         let console: &Console = Box::leak(Box::new(Console {
@@ -962,13 +955,13 @@ impl Console {
         }
         let mut bytes = Vec::new();
         // A signal may have cut a frame short, in the middle of a row.
-        queue!(bytes, EndSynchronizedUpdate, ResetColor, Show)?;
-        bytes.push(b'\r');
+        queue!(bytes, EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
         if self.has_alternate_screen {
             queue!(bytes, LeaveAlternateScreen)?;
         }
-        let (written, given_back) = (self.write(&bytes), self.give_back_keys());
-        written.and(given_back)
+        let written = self.write(&bytes);
+        self.give_back_keys();
+        written
     }
 
     /// Writes a whole frame at once. `clear` says whether to clear the screen first.
@@ -1008,10 +1001,10 @@ impl Console {
                 Ok(count) => bytes = &bytes[count..],
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
                     if self.end_signal.load(SeqCst) != 0 {
+                        self.drop_unread_output();
                         if start.elapsed() > INTERVAL {
                             return Err(error);
                         }
-                        self.drop_unread_output();
                     }
                     thread::sleep(Duration::from_millis(1));
                 }
@@ -1059,9 +1052,9 @@ mod system {
     pub fn open_output() -> io::Result<(File, bool)> {
         let stdout = io::stdout();
         let path = match termios::tcgetpgrp(&stdout) {
-            // Standard output is a terminal, but not the one that the program was started from.
+            // Not the terminal that the program was started from: another one, or none, which has no name.
             Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
-            // Under this name, everybody may open the terminal, even after `su`.
+            // The terminal that the program was started from. Any user may open it under this name.
             _ => Ok(c"/dev/tty".into()),
         };
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
@@ -1077,6 +1070,17 @@ mod system {
         if process::id() != 1 {
             let _ = low_level::emulate_default_handler(signal);
         }
+    }
+
+    /// Stops the program's whole job, on Ctrl-Z, until the shell's `fg` continues it. Where no shell could
+    /// continue it, the system ignores this.
+    ///
+    /// Normally the system does this by itself, and stops all processes of the job at once: the program,
+    /// and the script that has started it, if there is one. As soon as the script has stopped, the shell
+    /// writes its prompt, and if the program were still on the alternate screen, the prompt would be lost
+    /// there. So the program has to leave the terminal first.
+    pub fn stop_job() {
+        let _ = kill_current_process_group(Signal::TSTP);
     }
 
     impl Console {
@@ -1100,20 +1104,17 @@ mod system {
             let mut changed = SETTINGS.get_or_init(|| settings).clone();
             changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO | LocalModes::IEXTEN;
             changed.input_modes -= InputModes::IXON;
-            // Ctrl-Z is to be a byte, too: see `suspend`. Of two keys that are the same, the system obeys
-            // the one that interrupts, so this leaves none that suspends.
+            // Ctrl-Z is to be a byte, too: see `stop_job`. So the key that suspends becomes the one that
+            // interrupts. The system takes it as an interrupt, and no key suspends.
             let interrupt = changed.special_codes[SpecialCodeIndex::VINTR];
             changed.special_codes[SpecialCodeIndex::VSUSP] = interrupt;
             Ok(termios::tcsetattr(&self.file, OptionalActions::Now, &changed)?)
         }
 
         /// Gives the settings back. In the background, that would stop the program.
-        pub fn give_back_keys(&self) -> io::Result<()> {
-            match SETTINGS.get() {
-                Some(settings) if self.is_in_foreground() => {
-                    Ok(termios::tcsetattr(&self.file, OptionalActions::Now, settings)?)
-                }
-                _ => Ok(()),
+        pub fn give_back_keys(&self) {
+            if let Some(settings) = SETTINGS.get().filter(|_| self.is_in_foreground()) {
+                let _ = termios::tcsetattr(&self.file, OptionalActions::Now, settings);
             }
         }
 
@@ -1139,9 +1140,12 @@ mod system {
         /// Reads what the terminal has. What does not fit is read in the next round of the loop. If the
         /// terminal is gone, `size` reports it.
         fn read(&self) -> Vec<u8> {
+            if !self.is_terminal {
+                return Vec::new();
+            }
             let mut bytes = [0; 4096];
-            let count = if self.is_terminal { (&self.file).read(&mut bytes) } else { Ok(0) };
-            bytes[..count.unwrap_or(0)].to_vec()
+            let count = (&self.file).read(&mut bytes).unwrap_or(0);
+            bytes[..count].to_vec()
         }
 
         /// Makes room on a terminal that takes no output. In the background, that would stop the program.
@@ -1165,18 +1169,6 @@ mod system {
                 Err(_) => true,
             }
         }
-
-        /// Stops the program's whole job, on Ctrl-Z, until the shell's `fg` continues it.
-        ///
-        /// Normally the system does this by itself, and stops all processes of the job at once: the
-        /// program, and the script that has started it, if there is one. As soon as the script has
-        /// stopped, the shell writes its prompt. The program would still be on the alternate screen, and
-        /// the prompt would be lost there. So the program leaves the terminal first. Where no shell could
-        /// continue the job, the system ignores the signal.
-        pub fn suspend(&self) -> io::Result<()> {
-            self.leave()?;
-            Ok(kill_current_process_group(Signal::TSTP)?)
-        }
     }
 }
 
@@ -1196,6 +1188,8 @@ mod system {
 
     pub fn raise(_: i32) {}
 
+    pub fn stop_job() {}
+
     impl Console {
         pub fn catch_signals(&self) -> io::Result<()> {
             Ok(())
@@ -1209,9 +1203,7 @@ mod system {
             Ok(())
         }
 
-        pub fn give_back_keys(&self) -> io::Result<()> {
-            Ok(())
-        }
+        pub fn give_back_keys(&self) {}
 
         /// The pressed keys that are a single byte.
         pub fn keys(&self) -> Vec<u8> {
@@ -1231,10 +1223,6 @@ mod system {
 
         pub fn is_in_foreground(&self) -> bool {
             true
-        }
-
-        pub fn suspend(&self) -> io::Result<()> {
-            Ok(())
         }
     }
 }

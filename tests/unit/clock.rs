@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// The first frame of donut.c whose angles are also those of every frame after it.
+/// From this frame on, donut.c's angles no longer change.
 const FROZEN: u64 = 22_918_663;
 
 const SPIN: [f64; 2] = [0.04, 0.02];

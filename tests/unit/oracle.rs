@@ -19,9 +19,6 @@
 //!
 //! - the next glyph, where 8 L is less than 1e-11 below a whole number,
 //! - what some other tube shows, thinner or thicker by at most 1e-13 (R1 + R2).
-//!
-//! Where such a tube begins to touch the ray, three answers may be right: a blank, the glyph of the point
-//! that is touched first, and the glyph that the oracle sees.
 
 /// A torus turned and seen from `k2` away, in any unit of length.
 pub struct Oracle {
@@ -32,9 +29,9 @@ pub struct Oracle {
     pub axes: [[f64; 3]; 3],
 }
 
-/// `exact` adds `TIE_BIAS` to L, and its sums and products are rounded.
+/// How far below a whole number 8 L may be. `exact` adds `TIE_BIAS` to L, and its sums are rounded.
 const LEVEL_TIE: f64 = 1e-11;
-/// In units of R1 + R2.
+/// How much thinner or thicker the other tube may be, in units of R1 + R2.
 const GRAZE_TIE: f64 = 1e-13;
 
 pub fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {

@@ -63,7 +63,7 @@ pub fn sphere_trace(r2: f64, rays: &[Ray; RAYS], most_steps: usize) -> [f64; RAY
 ///
 /// With `y = v - 2/3 p` the resolvent becomes `v^3 - 3 m v - 2 n = 0`. If this has three roots, the
 /// largest is found by a cosine. If it has one, the root is found by Cardano's formula.
-macro_rules! closed_form {
+macro_rules! define_first_root {
     ($name:ident, $float:ident) => {
         pub fn $name([p, q, r]: [f64; 3], newton_steps: usize) -> f64 {
             let [p, q, r] = [p, q, r].map(|coefficient| coefficient as $float);
@@ -105,8 +105,8 @@ macro_rules! closed_form {
     };
 }
 
-closed_form!(first_root_f32, f32);
-closed_form!(first_root_f64, f64);
+define_first_root!(first_root_f32, f32);
+define_first_root!(first_root_f64, f64);
 
 /// The coefficients of `s^4 + p s^2 + q s + r`, which is the program's G multiplied out.
 pub fn plain_quartic(torus: &Torus, ray: &Ray) -> [f64; 3] {
@@ -134,7 +134,7 @@ pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
 }
 
 /// The textbook's solution, in f32 or in f64: Ferrari's formulas for the distance t from the
-/// viewer. They are the formulas of `closed_form`, without its precautions against rounding.
+/// viewer. They are the formulas of `first_root_f64`, without its precautions against rounding.
 ///
 /// In t, the surface is where
 /// ```text
