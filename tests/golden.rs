@@ -87,16 +87,6 @@ fn the_first_300_frames_of_exact_have_the_stored_hash_in_every_build() {
 }
 
 #[test]
-fn auto_is_classic_at_the_size_of_donut_c_and_exact_elsewhere() {
-    let size = ["--width=120", "--height=36", "--frames=20", "--fps=0"];
-    let exact = [&size[..], &["--method=exact"]].concat();
-    assert!(donut(&size) == donut(&exact));
-    let own = ["--frames=20", "--fps=0"];
-    let classic = [&own[..], &["--method=classic"]].concat();
-    assert!(donut(&own) == donut(&classic));
-}
-
-#[test]
 fn auto_goes_on_with_exact_where_the_floats_of_classic_get_too_coarse() {
     // In frame 7 the angle A has passed 2^17. From there on, floats are so far apart that the next step,
     // of 0.04, would be rounded to 0.047. So exact draws frame 7, at the angles that the sums of classic

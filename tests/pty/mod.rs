@@ -54,12 +54,12 @@ impl Pty {
     /// Runs a program on a terminal with this number of columns and of rows.
     pub fn run(program: &str, arguments: &[&str], size: (u16, u16), term: &str) -> Pty {
         let pty = Pty::run_unread(program, arguments, size, term);
-        pty.read(1 << 16, Duration::ZERO);
+        pty.start_reading(1 << 16, Duration::ZERO);
         pty
     }
 
     /// Begins to read what the program writes: `bytes` at a time, and then a pause.
-    pub fn read(&self, bytes: usize, pause: Duration) {
+    pub fn start_reading(&self, bytes: usize, pause: Duration) {
         let (seen, mut reader) = (self.seen.clone(), self.master().try_clone_reader().unwrap());
         self.is_read.set(true);
         thread::spawn(move || {
@@ -94,7 +94,7 @@ impl Pty {
         pty
     }
 
-    /// Runs a program on a terminal that does not read its output, until `read` is called.
+    /// Runs a program on a terminal that does not read its output, until `start_reading` is called.
     pub fn run_unread(program: &str, arguments: &[&str], size: (u16, u16), term: &str) -> Pty {
         let pair = native_pty_system().openpty(pty_size(size)).unwrap();
         let settings = format!("{:?}", pair.master.get_termios().unwrap());
@@ -155,7 +155,6 @@ impl Pty {
         self.master = None;
     }
 
-    /// The program's process.
     pub fn process(&self) -> u32 {
         self.child.process_id().unwrap()
     }
@@ -182,7 +181,7 @@ impl Pty {
     }
 
     /// The number of the process that the program runs. `None` if this process has ended.
-    pub fn job(&self) -> Option<String> {
+    pub fn job_process(&self) -> Option<String> {
         self.ps_column_of_job("pid=")
     }
 
@@ -201,10 +200,9 @@ impl Pty {
 
     /// Sends a signal to the process that the program runs, and to no other.
     pub fn signal_job(&self, name: &str) {
-        kill(name, &self.job().expect("a job"));
+        kill(name, &self.job_process().expect("a job"));
     }
 
-    /// The terminal's path.
     pub fn path(&self) -> String {
         self.master().tty_name().unwrap().to_str().unwrap().to_string()
     }
@@ -251,7 +249,7 @@ impl Pty {
     /// Waits for the program to end, and until all that it wrote is read. Returns what a shell would
     /// call its exit code.
     #[track_caller]
-    pub fn exit(&mut self) -> u32 {
+    pub fn wait_for_exit(&mut self) -> u32 {
         let code = self.exit_code();
         if self.is_read.get() && self.master.is_some() {
             // What is written now is read last.
@@ -299,7 +297,6 @@ impl Pty {
         assert_eq!(self.settings_now(), self.settings);
     }
 
-    /// Whether the program has changed the terminal's settings.
     pub fn has_changed_settings(&self) -> bool {
         self.settings_now() != self.settings
     }

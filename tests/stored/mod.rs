@@ -1,7 +1,7 @@
-//! Files of the source tree that are made by the program or from its options, such as pictures,
-//! tables and completions. These files are stored so that nobody has to make them before reading or
-//! packing them. The tests make these files again, all but the measured times, and fail where a
-//! stored one is out of date.
+//! Files of the source tree that are made by the program or from its options, such as pictures and
+//! completions. They are stored so that nobody has to make them before reading or packing them. The
+//! tests make them again, and fail where a stored one is out of date. Only the table of measurements has
+//! columns and rows that no test makes again: its times, and its larger pictures.
 
 use std::{env, fs};
 

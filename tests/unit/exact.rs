@@ -96,40 +96,6 @@ fn compare(view: View, poses: &[(f64, f64)]) -> Tally {
 }
 
 #[test]
-fn cells_where_other_methods_fail_are_right() {
-    // A frame of donut.c at 80x22, a cell's column and row, and the level there, if not blank. The
-    // comments say what another method draws there.
-    let cells = [
-        // classic draws something here, because some samples fall into a corner of the cell.
-        (0, 33, 2, None),
-        // classic draws 5, because its nearest sample is at the edge of the cell.
-        (0, 33, 7, Some(3)),
-        // Sphere tracing leaves a blank: 16 steps are too few for a ray that creeps along the surface.
-        (0, 38, 2, Some(11)),
-        // Sphere tracing with a tolerance of 0.001 hits, although the ray only comes as near as that.
-        (6, 24, 5, None),
-        // Sphere tracing with this tolerance draws 4: it stops beside the near outline, and should go
-        // on behind it.
-        (53, 41, 13, Some(0)),
-        // Newton's method on the distance leaves a blank after 12 steps: the distance is not convex
-        // in the hole.
-        (0, 36, 9, Some(0)),
-        // A closed form in f32 draws 5, because q is nearly 0.
-        (38, 32, 9, Some(7)),
-        // A closed form in f32 and a step of Newton's method draw 0: the step makes a bad root worse.
-        (39, 32, 8, Some(8)),
-        // A closed form in f32 leaves a blank.
-        (9, 39, 6, Some(1)),
-        // A closed form that chooses between formulas at fixed thresholds draws 2.
-        (38, 54, 19, Some(1)),
-    ];
-    for (frame, column, row, expected) in cells {
-        let pose = [0.04 * f64::from(frame), 0.02 * f64::from(frame)];
-        assert_cell(View::DONUT_C, pose, (column, row), expected);
-    }
-}
-
-#[test]
 fn cells_that_rounding_makes_hard_are_right() {
     for (width, height, pose, cell, expected) in [
         // 8 L is 7.5e-11 below a whole number.
@@ -149,9 +115,6 @@ fn cells_that_rounding_makes_hard_are_right() {
     // The same with other proportions: G has a triple root at -w.
     let view = View::new(133, 9, 2.0, 1.7366240459519966, 3.756153063041099);
     assert_cell(view, [1.9355622349708181, 1.5978780229975185], (68, 6), Some(2));
-    // G has a root very close to -w.
-    let view = View::new(229, 65, 2.0, CLOSED, 3.335);
-    assert_cell(view, [1.1187223129631572, -1.766537396611212], (133, 21), Some(1));
     // G has no inflections, and w is 0.
     assert_cell(enlarged(8), [41.48, 20.74], (298, 174), Some(1));
 }
@@ -177,12 +140,12 @@ fn where_rounding_could_give_either_of_two_glyphs_the_brighter_one_is_drawn() {
     assert!(ties > 100, "{ties}");
 }
 
-/// This ray touches the tube 1.4e-16 deep, where 8 L is 8.00000035. A tube that it touches less deeply
-/// shows a darker glyph, because 8 L is below 8 at the point that is touched first.
+/// This ray touches the tube 1.4e-16 deep, where 8 L is 8.00000035. It touches a slightly thinner tube where
+/// 8 L is below 8, and misses an even thinner one.
 #[test]
 fn a_cell_whose_ray_grazes_the_tube_at_a_whole_8_l_may_show_two_glyphs_or_a_blank() {
-    let view = View::new(201, 28, 2.0, 15.318159874289174, 16.341233645768479);
-    let (a, b) = (1.4088894535754117, 2.6220669461073398);
+    let view = View::new(201, 28, 2.0, 15.318159874289174, 16.34123364576848);
+    let (a, b) = (1.4088894535754117, 2.62206694610734);
     let (dx, dy) = direction(&view, 113.5, 17.5);
     let oracle = oracle_of(&view, a, b);
     let verdicts = [None, Some(7), Some(8), Some(6)].map(|drawn| oracle.judge(dx, dy, drawn));
@@ -240,21 +203,6 @@ fn a_ray_in_the_plane_of_the_ring_hits_the_outer_equator() {
         let seen = look(&edge_on(), 5.0, dx, 0.0).unwrap();
         assert!((seen - 8.0 * -z / 3.0).abs() < 1e-9, "{seen} {z}");
     }
-}
-
-#[test]
-fn rays_that_touch_the_bounding_sphere_miss_or_have_a_finite_luminance() {
-    let (torus, radius) = (Torus::new(2.0, 1.0, 0.5), apparent_radius(2.0, 5.0));
-    for n in 0..1000 {
-        let (sin, cos) = (0.01 * f64::from(n)).sin_cos();
-        for radius in [radius, radius * (1.0 + 1e-15), radius * (1.0 - 1e-15)] {
-            let seen = look(&torus, 5.0, radius * cos, radius * sin);
-            assert!(seen.is_none_or(f64::is_finite));
-        }
-    }
-    // This one touches the donut as well, and may hit or miss.
-    let seen = look(&edge_on(), 5.0, radius, 0.0);
-    assert!(seen.is_none_or(f64::is_finite));
 }
 
 #[test]
@@ -499,6 +447,11 @@ fn rays_that_lead_the_search_astray_are_right() {
             (2.0, 5.0),
             [2.2475347056391475, 4.821866817316637, -0.0329847987502927, 0.17584787044944739],
         ),
+        // G has a triple root next to -w, and because of rounding a step from w seems to lead past -w.
+        (
+            (1.01, 2.016716897357975),
+            [2.3840407789078397, 0.0, 0.1502328628464559, -0.23872492911632734],
+        ),
         // G has a triple root at -w, seen from very far away.
         (
             (3.0, 4000.0),
@@ -567,12 +520,12 @@ proptest! {
         (width, height) in (1_usize..=70, 1_usize..=40),
         aspect in 0.1..=10.0,
         (a, b) in (angle(), angle()),
-        // R2 is from 1.001 to 30. `gap` is the viewer's distance from the sphere round the donut,
-        // divided by the radius of the sphere. So K2 is from 1.001 times this radius to 1e12.
-        r2 in (-3.0..=29_f64.log10()).prop_map(|exponent| 1.0 + 10_f64.powf(exponent)),
-        gap in (-3.0..=10.5_f64).prop_map(|exponent| 10_f64.powf(exponent)),
+        // R2 is from 1.01 to 30. `gap` is the viewer's distance from the sphere round the donut, divided
+        // by the radius of the sphere.
+        r2 in (-2.0..=29_f64.log10()).prop_map(|exponent| 1.0 + 10_f64.powf(exponent)),
+        gap in (-3.0..=10.0_f64).prop_map(|exponent| 10_f64.powf(exponent)),
     ) {
-        let k2 = ((1.0 + r2) * (1.0 + gap)).min(1e12);
+        let k2 = (1.0 + r2) * (1.0 + gap);
         let view = View::new(width, height, aspect, r2, k2);
         let tally = compare(view, &[(a, b)]);
         prop_assert_eq!(tally.wrong(), 0, "{:?}", tally);

@@ -27,9 +27,8 @@ mod stored;
 use super::*;
 use oracle::{Oracle, Verdict};
 
-/// donut.c's view, with each cell divided into `scale` by `scale` cells. Above a
-/// scale of 1, the program itself never draws this view: it fits the donut to the size that `--width` and `--height` ask for, as
-/// `fitted` does.
+/// donut.c's view, with each cell divided into `scale` by `scale` cells. The program itself draws this
+/// view only at a scale of 1. Otherwise it fits the donut to the picture, as `fitted` does.
 fn enlarged(scale: usize) -> View {
     let View { r2, k2, width, height, .. } = View::DONUT_C;
     let [cx, cy, k1x, k1y] = [40.0, 12.0, 30.0, 15.0].map(|value| scale as f64 * value);

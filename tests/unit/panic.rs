@@ -21,7 +21,7 @@ fn after_a_panic_the_terminal_is_restored_and_shows_the_message() {
     let program = env::current_exe().unwrap();
     let panics = ["--ignored", "--nocapture", "--exact", "tests::panic::a_donut_that_panics"];
     let mut pty = Pty::run(program.to_str().unwrap(), &panics, (80, 100), "xterm");
-    assert_eq!(pty.exit(), 101);
+    assert_eq!(pty.wait_for_exit(), 101);
     pty.assert_restored();
     assert_eq!(pty.written().matches("\x1b[?1049l").count(), 1);
     assert!(
