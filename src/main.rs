@@ -250,7 +250,7 @@ const RING_RATIOS: RangeInclusive<f64> = 1.01..=30.0;
 const LEAST_DISTANCE_RATIO: f64 = 1.001;
 
 /// Undoes the rounding of a product or quotient of two lengths: in f64, 0.35 / 0.07 is slightly less than
-/// 5. If a number with at most six decimals is as close as that to the result, that number was meant.
+/// 5. If a number with at most six decimals is only a rounding error away, that number was meant.
 fn snap_to_decimal(result: f64) -> f64 {
     let decimal = (1e6 * result).round() / 1e6;
     if (result - decimal).abs() < 1e-15 * result { decimal } else { result }
@@ -274,6 +274,7 @@ impl Options {
             let rule = format!("{LEAST_DISTANCE_RATIO} times the sum of --r1 and --r2");
             Some(format!("--k2 is {k2}, but must be at least {from}: {rule}"))
         } else if self.method == Method::Classic && self.proportions() != (2.0, 5.0) {
+            // With other proportions, the steps of `classic` would leave gaps: see `angle_steps`.
             let rule = "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5";
             Some(format!("{rule}, but these are {r1}, {r2} and {k2}"))
         } else {
@@ -352,6 +353,7 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
             thread::sleep(INTERVAL);
             continue;
         }
+        // In a pipe, too, this is true in the first round: donut.c begins by clearing the screen.
         let mut clear = console.enter()?;
         let new_size = console.size()?;
         if new_size != size {
@@ -397,10 +399,10 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
 
 /// The method, `Classic` or `Exact`, that draws the frame with these angles.
 ///
-/// `Auto` draws donut.c's own picture with `Classic`, as long as floats as large as the angles are at most a
-/// quarter of the spin apart. (If the spin is tiny, 0.0002 will do.) With donut.c's own start and spin, that
-/// is so until frame 3,345,245. There A passes 2^17, where floats are 1/64 apart, so that adding 0.04 adds
-/// 3/64, or 0.047.
+/// `Auto` draws donut.c's own picture with `Classic`, as long as floats are fine enough for it: from each
+/// angle to the next float, the gap is at most a quarter of the angle's spin, or 0.0002 if that is more. With
+/// donut.c's own start and spin, frame 3,345,245 is the first where the gap is larger. There A has passed
+/// 2^17, where floats are 1/64 apart, so that adding 0.04 adds 3/64, or 0.047.
 fn method_now(option: Method, view: &View, angles: [f64; 2], spin: [f64; 2]) -> Method {
     let are_close = (0..2).all(|i| {
         let float = angles[i].abs() as f32;
@@ -550,8 +552,8 @@ impl Renderer {
                 y[i] = cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b);
             }
             // donut.c skips the samples that are not in the picture. Here the z-buffer keeps them from
-            // showing. (A sample on the right edge of the picture, where x is `width`, is taken for one
-            // in column 0 of the next row.)
+            // showing: see `reset_zbuffer`. (A sample on the right edge of the picture, where x is
+            // `width`, is taken for one in column 0 of the next row.)
             for i in 0..count {
                 cells[i] = floor(x[i]) + width as u32 * floor(y[i]);
             }
@@ -569,9 +571,9 @@ impl Renderer {
         }
     }
 
-    /// Prepares the z-buffer for a frame. It holds 1/z, so 0 is infinitely far, and any sample is nearer.
-    /// Infinity is no distance at all, and no sample is nearer, so row 0, column 0 and the rows below the
-    /// picture stay blank.
+    /// Prepares the z-buffer for a frame. It holds 1/z. 0 means infinitely far, so any sample is nearer.
+    /// Infinity means z = 0, at the viewer's eye, so no sample is nearer: row 0, column 0 and the rows
+    /// below the picture stay blank.
     fn reset_zbuffer(&mut self) {
         let View { width, height, .. } = self.view;
         self.zbuffer.fill(f32::INFINITY);
@@ -667,9 +669,9 @@ const LANES: usize = 8;
 type Lanes = [f64; LANES];
 /// The s of a ray that misses (see `Torus`).
 const MISS: f64 = f64::INFINITY;
-/// A search for a hit ends with a step no longer than this, in units of R1. Newton's method then has
-/// hardly more than rounding left to do. Only where a ray grazes the donut, the hit may be a few 1e-8 off,
-/// along the surface.
+/// A search for a hit ends with a step no longer than this, in units of R1. After so short a step of
+/// Newton's method, hardly more than rounding errors are left. Where a ray grazes the donut, the hit may
+/// still be a few 1e-8 off, but along the surface, where that does not show.
 const LAST_STEP: f64 = 1e-8;
 /// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly a
 /// whole number, and rounding would choose between two glyphs. With this added, the brighter one is drawn
@@ -697,9 +699,6 @@ const TIE_BIAS: f64 = 1e-12;
 ///
 /// G is positive outside the donut, and negative inside. Because s is measured from P0, there is no
 /// cubic term, and the coefficients stay small however far away the viewer is.
-///
-/// f64 has too few digits to decide what a few of the cells should show. tests/unit/oracle.rs explains
-/// these ties.
 struct Torus {
     r2: f64,
     /// The axis of revolution, of length 1, after the turns by A and B.
@@ -739,12 +738,13 @@ impl Torus {
         }
     }
 
-    /// The coefficients p, q and r of the ray's G. p follows from the terms with s^2 in the two squares
-    /// above, q from those with s, and r is what is left.
+    /// The coefficients p, q and r of the ray's G. They come from the squared equation, with |P|^2 and f
+    /// written out: p from the terms with s^2, q from those with s, and r is what is left.
     fn quartic(&self, &Ray { d0, f0, fu, .. }: &Ray) -> [f64; 3] {
         let r2_r2 = self.r2 * self.r2;
-        // The square of the sine of the angle between the ray and the axis. With it, no large numbers
-        // cancel in p and r where the ray looks through a nearly closed hole.
+        // The square of the sine of the angle between the ray and the axis. Where the ray looks through a
+        // nearly closed hole, p and r are small. Written with this, they are not differences of larger
+        // numbers.
         let sine_squared = 1.0 - fu * fu;
         let p = d0 + r2_r2 - 1.0 - 2.0 * r2_r2 * sine_squared;
         let q = 8.0 * r2_r2 * f0 * fu;
@@ -782,15 +782,15 @@ impl Torus {
     /// is positive never passes a root. Where G bends down, the same holds for a step that starts where G
     /// is negative.
     ///
-    /// 1. If the ray enters left of -w, the search starts there and moves right, towards s1. If there
-    ///    is no s1, it comes to a dead end: a place where G rises, or a step that leads to -w or past
-    ///    it. The search then starts again, at w. If the ray enters further right, there is no s1, and
-    ///    the search starts at w.
-    /// 2. If G is positive at w (it is not in the drawing), it has been positive all the way, because it
-    ///    bends down between -w and w. The search moves right, towards s3. If there is no s3, it comes to
-    ///    where G rises, and stays there: the ray misses.
-    /// 3. If G is negative at w, it has fallen to 0 once since -w, at s3. The search moves left, towards
-    ///    s3.
+    /// 1. If the ray's entry is left of -w, the search starts at the entry and moves right, towards s1. If
+    ///    there is no s1, it comes to a dead end: a place where G rises, or a step that leads to -w or past
+    ///    it. The search then starts again, at w. If the entry is further right, there is no s1, because no
+    ///    hit comes before the entry, and the search starts at w.
+    /// 2. If G is positive at w (in the drawing it is negative), there is no root before w: without an s1, G
+    ///    is positive at -w as well, and a curve that bends down stays above 0 between two such ends. The
+    ///    search moves right, towards s3. If there is no s3, it comes to where G rises, and stays there:
+    ///    the ray misses.
+    /// 3. If G is negative at w, s3 is between -w and w, and the search moves left, towards s3.
     ///
     /// In each of the three cases a search moves in one direction, and a step that would lead the other way
     /// is not taken. So rounding cannot make it go to and fro for ever.
@@ -830,7 +830,8 @@ impl Torus {
             for i in 0..LANES {
                 let (next, _) = newton([p[i], q[i], r[i]], s[i]);
                 let next = if next > -w[i] { next } else { -w[i] };
-                // All other searches stay: right of w or at MISS, or left of -w, and so of `next`.
+                // All other searches stay. Those right of w, or at MISS, fail `s <= w`. Those left of -w
+                // are left of `next`, too.
                 let goes_left = (s[i] <= w[i]) & (next < s[i]);
                 moving_left |= goes_left & (s[i] - next > LAST_STEP);
                 s[i] = if goes_left { next } else { s[i] };
@@ -860,9 +861,6 @@ fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-// A program that only writes to a pipe would need little of what follows. The rest makes this one a good
-// guest on a terminal: when the program ends or stops, the shell finds its terminal as it was.
-
 /// The longest sleep of the loop, the time that the rest of a key's code may take to arrive, and the time
 /// that a write may take once a signal has come.
 const INTERVAL: Duration = Duration::from_millis(50);
@@ -870,7 +868,7 @@ const INTERVAL: Duration = Duration::from_millis(50);
 const ESCAPE: u8 = 0x1b;
 const CTRL_Z: u8 = 0x1a;
 
-/// Standard output, and the state that a guest on a terminal needs.
+/// Standard output, and what the program has to remember to leave a terminal as it was.
 ///
 /// Before the program draws on a terminal, it *enters* the terminal: it hides the cursor, has each key
 /// sent at once and not echoed, and switches to the alternate screen, a second screen for programs that
@@ -915,6 +913,7 @@ impl Console {
                 let _ = console.leave();
                 previous_hook(info);
             }));
+            // ctrlc works on Windows, too. The other signals exist only on Unix.
             let obey_ctrl_c = || console.end_signal.store(2, SeqCst); // 2 is SIGINT.
             ctrlc::set_handler(obey_ctrl_c).map_err(io::Error::other)?;
             console.catch_signals()?;
@@ -1052,9 +1051,10 @@ mod system {
     pub fn open_output() -> io::Result<(File, bool)> {
         let stdout = io::stdout();
         let path = match termios::tcgetpgrp(&stdout) {
-            // Not the terminal that the program was started from: another one, or none, which has no name.
+            // Not the controlling terminal, the one that the program was started from. Another terminal has
+            // a name. For a pipe or a file, `ttyname` fails, too.
             Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
-            // The terminal that the program was started from. Any user may open it under this name.
+            // The controlling terminal, which any user may open under this name.
             _ => Ok(c"/dev/tty".into()),
         };
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
@@ -1104,14 +1104,15 @@ mod system {
             let mut changed = SETTINGS.get_or_init(|| settings).clone();
             changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO | LocalModes::IEXTEN;
             changed.input_modes -= InputModes::IXON;
-            // Ctrl-Z is to be a byte, too: see `stop_job`. So the key that suspends becomes the one that
-            // interrupts. The system takes it as an interrupt, and no key suspends.
+            // Ctrl-Z has to arrive as a byte, too: see `stop_job`. So the key that suspends is set to Ctrl-C
+            // as well. The system looks for an interrupt first, so Ctrl-C still interrupts, and no key
+            // suspends.
             let interrupt = changed.special_codes[SpecialCodeIndex::VINTR];
             changed.special_codes[SpecialCodeIndex::VSUSP] = interrupt;
             Ok(termios::tcsetattr(&self.file, OptionalActions::Now, &changed)?)
         }
 
-        /// Gives the settings back. In the background, that would stop the program.
+        /// Gives the settings back, but not in the background, where that would stop the program.
         pub fn give_back_keys(&self) {
             if let Some(settings) = SETTINGS.get().filter(|_| self.is_in_foreground()) {
                 let _ = termios::tcsetattr(&self.file, OptionalActions::Now, settings);
@@ -1148,7 +1149,8 @@ mod system {
             bytes[..count].to_vec()
         }
 
-        /// Makes room on a terminal that takes no output. In the background, that would stop the program.
+        /// Makes room on a terminal that takes no output, but not in the background, where that would stop
+        /// the program.
         pub fn drop_unread_output(&self) {
             if self.is_in_foreground() {
                 let _ = termios::tcflush(&self.file, QueueSelector::OFlush);

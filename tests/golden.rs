@@ -88,9 +88,8 @@ fn the_first_300_frames_of_exact_have_the_stored_hash_in_every_build() {
 
 #[test]
 fn auto_goes_on_with_exact_where_the_floats_of_classic_get_too_coarse() {
-    // In frame 7 the angle A has passed 2^17. From there on, floats are so far apart that the next step,
-    // of 0.04, would be rounded to 0.047. So exact draws frame 7, at the angles that the sums of classic
-    // have reached.
+    // In frame 7 the angle A has passed 2^17. So exact draws frame 7, at the angles that the sums of
+    // classic have reached.
     let start = ["-A=131071.75", "-B=0.5", "--fps=0"];
     let auto = frames(&donut(&[&start[..], &["--frames=12"]].concat()));
     let classic = donut(&[&start[..], &["--frames=12", "--method=classic"]].concat());

@@ -689,9 +689,8 @@ fn ctrl_z_gives_the_terminal_back_and_fg_redraws() {
     }
 }
 
-/// Ctrl-Z stops a whole job: the donut, and the script or subshell that it is in. As soon as the script
-/// has stopped, the shell writes its prompt. If the donut were still on the alternate screen at that
-/// time, the prompt would vanish with that screen.
+/// If the donut were still on the alternate screen when the shell writes its prompt, the prompt would
+/// vanish with that screen.
 #[test]
 fn after_ctrl_z_under_a_script_or_in_a_subshell_the_prompt_can_be_read() {
     for shell in ["bash", "dash"].into_iter().filter(|shell| is_installed(shell)) {
@@ -731,8 +730,8 @@ fn ctrl_z_stops_the_donut_once_whatever_keys_are_typed_with_it() {
     }
 }
 
-/// The job in this test is a shell, and the donut is a child of it. If only the donut is stopped, bash
-/// does not notice. So the key and the signal are both there when the donut goes on.
+/// This test stops the donut, types Ctrl-Z, sends SIGTERM and continues it, so the donut finds both at
+/// once. It runs in a child shell, so that bash does not notice the stop.
 ///
 /// The donut has two threads. If it is the other thread that gets the signal, the loop may read the key
 /// a moment earlier, and Ctrl-Z is obeyed. So this test tries up to ten times, and one success is
