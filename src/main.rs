@@ -274,7 +274,7 @@ impl Options {
             let rule = format!("{LEAST_DISTANCE_RATIO} times the sum of --r1 and --r2");
             Some(format!("--k2 is {k2}, but must be at least {from}: {rule}"))
         } else if self.method == Method::Classic && self.proportions() != (2.0, 5.0) {
-            // With other proportions, the steps of `classic` would leave gaps: see `angle_steps`.
+            // With other proportions, the steps of `classic` could leave gaps: see `angle_steps`.
             let rule = "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5";
             Some(format!("{rule}, but these are {r1}, {r2} and {k2}"))
         } else {
