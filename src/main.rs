@@ -241,9 +241,9 @@ fn parse_color(text: &str) -> Result<Color, String> {
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
-/// The range of R2 / R1, beyond which no picture looks like a donut. At 1.01, the hole is some 20 cells
-/// across in a picture of 4096 columns. At 30, the tube of a donut far away is less than three columns
-/// thick in a picture of 80 columns.
+/// The range of R2 / R1. Beyond it, the hole or the tube is too small to see in most pictures: at 1.01, the
+/// hole is some 20 cells across in a picture of 4096 columns, and at 30, the tube of a donut far away is
+/// less than three columns thick in a picture of 80.
 const RING_RATIOS: RangeInclusive<f64> = 1.01..=30.0;
 /// The least K2 / (R1 + R2). At this distance, a donut that is seen edge-on already fills 175 degrees of
 /// the view.
@@ -318,13 +318,14 @@ fn main() -> ExitCode {
 /// Spins the donut until the last frame is drawn, somebody ends it, or its reader goes away.
 fn run(options: &Options) -> io::Result<()> {
     let console = Console::open(options)?;
-    let (played, left) = (play(options, console), console.leave());
+    let played = play(options, console);
+    let restored = console.leave();
     console.end_by_signal();
-    played.and(left)
+    played.and(restored)
 }
 
 /// donut.c's `for (;;)`. In a pipe, there is nothing to do but to draw each frame when it is due. On a
-/// terminal, the loop also looks for signals, keys and a new size every INTERVAL or so. So in some of its
+/// terminal, the loop also looks for signals, keys and a new size every PATIENCE or so. So in some of its
 /// rounds no frame is due, for example while the donut is paused.
 fn play(options: &Options, console: &Console) -> io::Result<()> {
     let interval = match options.fps {
@@ -339,7 +340,7 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
     let mut renderer = Renderer::new(options.view(size), options.method, RAMP);
     'rounds: while frame < last {
         let until_due = due.saturating_duration_since(Instant::now());
-        thread::sleep(if is_paused { INTERVAL } else { until_due.min(INTERVAL) });
+        thread::sleep(if is_paused { PATIENCE } else { until_due.min(PATIENCE) });
         if console.end_signal.load(SeqCst) != 0 {
             break;
         }
@@ -350,7 +351,7 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
             console.leave()?;
         }
         if !is_in_foreground {
-            thread::sleep(INTERVAL);
+            thread::sleep(PATIENCE);
             continue;
         }
         // In a pipe, too, this is true in the first round: donut.c begins by clearing the screen.
@@ -399,10 +400,10 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
 
 /// The method, `Classic` or `Exact`, that draws the frame with these angles.
 ///
-/// `Auto` draws donut.c's own picture with `Classic`, as long as floats are fine enough for it: from each
-/// angle to the next float, the gap is at most a quarter of the angle's spin, or 0.0002 if that is more. With
-/// donut.c's own start and spin, frame 3,345,245 is the first where the gap is larger. There A has passed
-/// 2^17, where floats are 1/64 apart, so that adding 0.04 adds 3/64, or 0.047.
+/// `Auto` draws donut.c's own picture with `Classic`, as long as floats are fine enough for it: the gap
+/// between an angle and the next float must be at most a quarter of the angle's spin. For an angle that turns
+/// slowly or not at all, a gap of 0.0002 is still fine. With donut.c's own start and spin, this ends at frame
+/// 3,345,245. There A passes 2^17, where the gap is 1/64, more than 0.04 / 4, and adding 0.04 adds 3/64.
 fn method_now(option: Method, view: &View, angles: [f64; 2], spin: [f64; 2]) -> Method {
     let are_close = (0..2).all(|i| {
         let float = angles[i].abs() as f32;
@@ -671,7 +672,7 @@ type Lanes = [f64; LANES];
 const MISS: f64 = f64::INFINITY;
 /// A search for a hit ends with a step no longer than this, in units of R1. After so short a step of
 /// Newton's method, hardly more than rounding errors are left. Where a ray grazes the donut, the hit may
-/// still be a few 1e-8 off, but along the surface, where that does not show.
+/// still be a few 1e-8 off along the ray. But there the ray runs along the surface, so this does not show.
 const LAST_STEP: f64 = 1e-8;
 /// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly a
 /// whole number, and rounding would choose between two glyphs. With this added, the brighter one is drawn
@@ -739,17 +740,17 @@ impl Torus {
     }
 
     /// The coefficients p, q and r of the ray's G. They come from the squared equation, with |P|^2 and f
-    /// written out: p from the terms with s^2, q from those with s, and r is what is left.
+    /// written out: p from the terms with s^2, q from those with s, and r is the rest, less p^2.
     fn quartic(&self, &Ray { d0, f0, fu, .. }: &Ray) -> [f64; 3] {
         let r2_r2 = self.r2 * self.r2;
         // The square of the sine of the angle between the ray and the axis. Where the ray looks through a
-        // nearly closed hole, p and r are small. Written with this, they are not differences of larger
-        // numbers.
+        // nearly closed hole, fu is nearly 1 or -1, and p and r are small. In this form, less of them is
+        // lost to rounding than if they were written with fu^2.
         let sine_squared = 1.0 - fu * fu;
         let p = d0 + r2_r2 - 1.0 - 2.0 * r2_r2 * sine_squared;
         let q = 8.0 * r2_r2 * f0 * fu;
-        let r = f0 * f0 - d0 * fu * fu - sine_squared * (1.0 - r2_r2 * fu * fu);
-        [p, q, 4.0 * r2_r2 * r]
+        let r = 4.0 * r2_r2 * (f0 * f0 - d0 * fu * fu - sine_squared * (1.0 - r2_r2 * fu * fu));
+        [p, q, r]
     }
 
     /// The s where the ray enters the space that the donut stays in: a sphere of radius R1 + R2,
@@ -775,7 +776,8 @@ impl Torus {
     ///
     /// -w and w are the inflections of G, which need not be at s2 and s3. Between them G bends down,
     /// and to the left and to the right of them it bends up. If there are no inflections, G bends up
-    /// everywhere, and w is 0.
+    /// everywhere, and w is 0. The bottom of a valley is where G bends up. So the bottom of the left valley
+    /// is left of -w, and s1 is further left still.
     ///
     /// Each ray has a search, which walks along the ray by Newton's method: it steps from s to where the
     /// tangent of G at s is 0. Where G bends up, it lies above its tangents, so a step that starts where G
@@ -784,8 +786,8 @@ impl Torus {
     ///
     /// 1. If the ray's entry is left of -w, the search starts at the entry and moves right, towards s1. If
     ///    there is no s1, it comes to a dead end: a place where G rises, or a step that leads to -w or past
-    ///    it. The search then starts again, at w. If the entry is further right, there is no s1, because no
-    ///    hit comes before the entry, and the search starts at w.
+    ///    it. The search then starts again, at w. If the entry is further right, there is no s1, and the
+    ///    search starts at w.
     /// 2. If G is positive at w (in the drawing it is negative), there is no root before w: without an s1, G
     ///    is positive at -w as well, and a curve that bends down stays above 0 between two such ends. The
     ///    search moves right, towards s3. If there is no s3, it comes to where G rises, and stays there:
@@ -861,9 +863,9 @@ fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-/// The longest sleep of the loop, the time that the rest of a key's code may take to arrive, and the time
-/// that a write may take once a signal has come.
-const INTERVAL: Duration = Duration::from_millis(50);
+/// How long the loop sleeps at most before it looks around, how long it waits for the rest of a key's code,
+/// and how long a write may last before a signal cuts it short.
+const PATIENCE: Duration = Duration::from_millis(50);
 
 const ESCAPE: u8 = 0x1b;
 const CTRL_Z: u8 = 0x1a;
@@ -991,8 +993,9 @@ impl Console {
 
     /// Writes all bytes, and waits while there is no room for them.
     ///
-    /// A terminal whose window hangs may never take another byte. So once a signal has come, this makes
-    /// room, and gives up if even that does not help.
+    /// A terminal whose window hangs may never take another byte. So once a signal has come, this drops the
+    /// output that the terminal has not taken, and gives up on a write that has lasted longer than
+    /// PATIENCE. Then there is room for what `leave` writes.
     fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
         let start = Instant::now();
         while !bytes.is_empty() {
@@ -1001,7 +1004,7 @@ impl Console {
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
                     if self.end_signal.load(SeqCst) != 0 {
                         self.drop_unread_output();
-                        if start.elapsed() > INTERVAL {
+                        if start.elapsed() > PATIENCE {
                             return Err(error);
                         }
                     }
@@ -1051,8 +1054,8 @@ mod system {
     pub fn open_output() -> io::Result<(File, bool)> {
         let stdout = io::stdout();
         let path = match termios::tcgetpgrp(&stdout) {
-            // Not the controlling terminal, the one that the program was started from. Another terminal has
-            // a name. For a pipe or a file, `ttyname` fails, too.
+            // This is not the controlling terminal, which is the terminal that the program was started
+            // from. If it is another terminal, it has a name. If it is a pipe or a file, `ttyname` fails.
             Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
             // The controlling terminal, which any user may open under this name.
             _ => Ok(c"/dev/tty".into()),
@@ -1106,7 +1109,7 @@ mod system {
             changed.input_modes -= InputModes::IXON;
             // Ctrl-Z has to arrive as a byte, too: see `stop_job`. So the key that suspends is set to Ctrl-C
             // as well. The system looks for an interrupt first, so Ctrl-C still interrupts, and no key
-            // suspends.
+            // suspends. (The value that stands for no key is not the same on all systems.)
             let interrupt = changed.special_codes[SpecialCodeIndex::VINTR];
             changed.special_codes[SpecialCodeIndex::VSUSP] = interrupt;
             Ok(termios::tcsetattr(&self.file, OptionalActions::Now, &changed)?)
@@ -1122,14 +1125,14 @@ mod system {
         /// The pressed keys that send a single byte.
         ///
         /// An arrow key, for one, sends a code: an ESC and more bytes. A terminal's answer to an earlier
-        /// program is such a code as well, and may arrive late and in pieces. So INTERVAL after an ESC,
+        /// program is such a code as well, and may arrive late and in pieces. So PATIENCE after an ESC,
         /// this function reads once more, and drops what it has read from the ESC on. But an ESC alone is
         /// the Esc key, and so are several of them, if the key is held down.
         pub fn keys(&self) -> Vec<u8> {
             let mut keys = self.read();
             if let Some(escape) = keys.iter().position(|&key| key == ESCAPE) {
                 let mut code = keys.split_off(escape);
-                thread::sleep(INTERVAL);
+                thread::sleep(PATIENCE);
                 code.extend(self.read());
                 if code.iter().all(|&byte| byte == ESCAPE) {
                     keys.push(ESCAPE);

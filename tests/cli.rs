@@ -437,9 +437,6 @@ fn after_a_stall_the_missed_frames_do_not_come_in_a_burst() {
     assert!(frames <= 100.0 * time.as_secs_f64() + 10.0, "{frames} frames in {time:?}");
 }
 
-/// Each frame is due one interval after the frame before was due, however late that one came. If frames
-/// were due one interval after the frame before was drawn, all delays would add up.
-///
 /// To make a frame late, this test uses frames that are larger than a pipe, and pauses after it has
 /// read frame 0. Frame 1 then fills the pipe, and the program has to wait for its reader. The
 /// reader goes on 2.5 intervals after frame 0, when frame 2 is already half an interval late. Frame

@@ -733,9 +733,9 @@ fn ctrl_z_stops_the_donut_once_whatever_keys_are_typed_with_it() {
 /// This test stops the donut, types Ctrl-Z, sends SIGTERM and continues it, so the donut finds both at
 /// once. It runs in a child shell, so that bash does not notice the stop.
 ///
-/// The donut has two threads. If it is the other thread that gets the signal, the loop may read the key
-/// a moment earlier, and Ctrl-Z is obeyed. So this test tries up to ten times, and one success is
-/// enough: a loop that reads its keys before it looks for signals never succeeds.
+/// The donut has two threads: the loop's, and one that ctrlc starts. If ctrlc's gets the signal, the
+/// loop may read the key a moment earlier, and Ctrl-Z is obeyed. So this test tries up to ten times, and
+/// one success is enough: a loop that reads its keys before it looks for signals never succeeds.
 #[test]
 fn a_signal_that_comes_with_a_ctrl_z_ends_the_donut() {
     for _ in 0..10 {

@@ -248,8 +248,9 @@ fn failures() -> String {
         ("`--k2 50000`", scene(2.0, 50_000.0), &poses),
     ];
     let mut rows = [
-        "**donut.c's steps**: plot a point every 0.07 radians round the tube and every 0.02 round the ring. \
-         The nearest point in a cell is seldom the one at its centre; in a larger picture, there are gaps",
+        "**Classic, with donut.c's steps**: plot a point every 0.07 radians round the tube and every 0.02 \
+         round the ring. The nearest point in a cell is seldom the one at its centre, and a larger picture \
+         has gaps (`--method classic` takes shorter steps there)",
         "**Sphere tracing**: walk along the ray, in steps as long as the distance to the surface. A ray \
          that creeps past an outline has not arrived after 64 steps",
         "**Newton, one start**: solve the ray's equation of degree four step by step, from a start near \
