@@ -242,7 +242,7 @@ fn parse_color(text: &str) -> Result<Color, String> {
 }
 
 /// The range of R2 / R1. Beyond it, the hole or the tube is too small to see in most pictures: at 1.01, the
-/// hole is some 20 cells across in a picture of 4096 columns, and at 30, the tube of a donut far away is
+/// hole is at most some 20 cells across in a picture of 4096 columns, and at 30, the tube of a donut far away is
 /// less than three columns thick in a picture of 80.
 const RING_RATIOS: RangeInclusive<f64> = 1.01..=30.0;
 /// The least K2 / (R1 + R2). At this distance, a donut that is seen edge-on already fills 175 degrees of
@@ -401,14 +401,15 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
 /// The method, `Classic` or `Exact`, that draws the frame with these angles.
 ///
 /// `Auto` draws donut.c's own picture with `Classic`, as long as floats are fine enough for it: the gap
-/// between an angle and the next float must be at most a quarter of the angle's spin. For an angle that turns
-/// slowly or not at all, a gap of 0.0002 is still fine. With donut.c's own start and spin, this ends at frame
-/// 3,345,245. There A passes 2^17, where the gap is 1/64, more than 0.04 / 4, and adding 0.04 adds 3/64.
+/// between an angle and the next float must be at most a quarter of the angle's spin, or at most 0.0002 if
+/// the spin is 0. With donut.c's own start and spin, this ends at frame 3,345,245. There A passes 2^17, where
+/// the gap is 1/64, more than 0.04 / 4, and adding 0.04 adds 3/64.
 fn method_now(option: Method, view: &View, angles: [f64; 2], spin: [f64; 2]) -> Method {
     let are_close = (0..2).all(|i| {
         let float = angles[i].abs() as f32;
         let gap = f32::from_bits(float.to_bits() + 1) - float;
-        f64::from(gap) <= (spin[i].abs() / 4.0).max(2e-4)
+        let largest_gap = if spin[i] == 0.0 { 2e-4 } else { spin[i].abs() / 4.0 };
+        f64::from(gap) <= largest_gap
     });
     match option {
         Method::Auto if *view == View::DONUT_C && are_close => Method::Classic,
@@ -671,8 +672,8 @@ type Lanes = [f64; LANES];
 /// The s of a ray that misses (see `Torus`).
 const MISS: f64 = f64::INFINITY;
 /// A search for a hit ends with a step no longer than this, in units of R1. After so short a step of
-/// Newton's method, hardly more than rounding errors are left. Where a ray grazes the donut, the hit may
-/// still be a few 1e-8 off along the ray. But there the ray runs along the surface, so this does not show.
+/// Newton's method, hardly more than rounding errors are left. Where a ray grazes the donut, the hit may be
+/// further off along the ray. But there the ray runs along the surface, so this does not show.
 const LAST_STEP: f64 = 1e-8;
 /// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly a
 /// whole number, and rounding would choose between two glyphs. With this added, the brighter one is drawn
@@ -1101,7 +1102,7 @@ mod system {
         }
 
         /// Has each key sent at once, and not echoed. But Ctrl-C and Ctrl-\ stay signals, so that they
-        /// work while the program is busy.
+        /// work while the terminal takes no output.
         pub fn take_keys(&self) -> io::Result<()> {
             let settings = termios::tcgetattr(&self.file)?;
             let mut changed = SETTINGS.get_or_init(|| settings).clone();
@@ -1166,8 +1167,8 @@ mod system {
         /// that was started with `&`, or continued with `bg`, is in the *background*, and the system stops
         /// it if it reads keys or changes the settings.
         ///
-        /// There is no answer if the terminal is not the one that the program was started from, or if it
-        /// is gone. Then no other job is known to use it, so this function returns true.
+        /// There is no answer if the terminal is not the controlling terminal, if it is gone, or if the job
+        /// in the foreground is outside of the program's container. Then this function returns true.
         pub fn is_in_foreground(&self) -> bool {
             match termios::tcgetpgrp(&self.file) {
                 Ok(group) => group == getpgrp(),

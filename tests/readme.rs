@@ -193,14 +193,17 @@ fn figures() -> Vec<(&'static str, f64)> {
     let late = errors.iter().filter(|row| row.0 > 1.2 * faster).take(2).collect::<Vec<_>>();
     let too_fast = 100.0 * (late[1].1 - late[0].1) / (late[1].0 - late[0].0) / 0.04;
     vec![
-        ("Exact is # times as fast as a literal", times_as_fast("exact", "donut.c as written")),
+        (
+            "At 80x22, exact is # times as fast as a literal",
+            times_as_fast("exact", "donut.c as written"),
+        ),
         ("and # times as fast as the closed", times_as_fast("exact", "closed form f64")),
         ("Classic is # times as fast", times_as_fast("classic x1", "donut.c as written")),
         ("in #% of the donut's cells", one_shade + more_shades + holes),
         ("a rim of another #%", rim),
         ("errors add up to a whole turn in # hours", hours(whole_turn)),
         ("After # hours the numbers", hours(faster)),
-        ("the donut turns #% too fast", too_fast),
+        ("the donut turns #% too fast, later", too_fast),
         ("after # days it stands still. Classic", hours(stopped) / 24.0),
         ("after those # hours", hours(faster)),
     ]

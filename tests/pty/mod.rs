@@ -159,7 +159,7 @@ impl Pty {
         self.child.process_id().unwrap()
     }
 
-    /// Sends a signal to the program and to all that it runs.
+    /// Sends a signal to the program's process group.
     pub fn signal(&self, name: &str) {
         kill(name, &format!("-{}", self.process()));
     }

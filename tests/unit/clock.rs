@@ -82,7 +82,9 @@ fn auto_is_classic_where_floats_are_at_most_a_quarter_of_the_spin_apart() {
         (131_071.98, 0.04, Method::Classic),
         (131_072.0, 0.04, Method::Exact),
         (123_456_789.123, 1.0, Method::Exact),
-        // A donut that stands still.
+        // A very slow donut, which would stand still with floats, and one that does stand still.
+        (1500.0, 0.000_05, Method::Exact),
+        (1.0, 1e-9, Method::Exact),
         (1.1, 0.0, Method::Classic),
         (2047.9, 0.0, Method::Classic),
         (2048.1, 0.0, Method::Exact),

@@ -140,7 +140,7 @@ fn where_rounding_could_give_either_of_two_glyphs_the_brighter_one_is_drawn() {
     assert!(ties > 100, "{ties}");
 }
 
-/// This ray touches the tube 1.4e-16 deep, where 8 L is 8.00000035. It touches a slightly thinner tube where
+/// This ray touches the tube 2e-14 deep, where 8 L is 8.0000012. It touches a slightly thinner tube where
 /// 8 L is below 8, and misses an even thinner one.
 #[test]
 fn a_cell_whose_ray_grazes_the_tube_at_a_whole_8_l_may_show_two_glyphs_or_a_blank() {
@@ -397,7 +397,7 @@ fn rays_whose_search_begins_on_the_very_edge_are_right() {
 
 /// A ray with a triple root at -w, whose G is (s + w)^3 (s - 3 w): the angle A, dx and dy, at B = 0.
 ///
-/// On the inner side of the tube, where theta is between pi / 2 and pi, the surface is a saddle: it
+/// On the inner side of the tube, as where theta is between pi / 2 and pi, the surface is a saddle: it
 /// bends one way round the tube, and the other way round the ring. Between these two directions there
 /// is one in which the surface does not bend. A ray in this direction meets the surface three times in
 /// one point, which is seen as a cusp of the outline.
