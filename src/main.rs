@@ -241,9 +241,9 @@ fn parse_color(text: &str) -> Result<Color, String> {
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
-/// The range of R2 / R1. Beyond it, the hole or the tube is too small to see in most pictures: at 1.01, the
-/// hole is at most some 20 cells across in a picture of 4096 columns, and at 30, the tube of a donut far away is
-/// less than three columns thick in a picture of 80.
+/// The range of R2 / R1. Beyond it, the hole or the tube is too small to see in most pictures: at 1.01,
+/// the hole is at most some 20 cells across in a picture of 4096 columns, and at 30, the tube of a donut
+/// far away is less than three columns thick in a picture of 80.
 const RING_RATIOS: RangeInclusive<f64> = 1.01..=30.0;
 /// The least K2 / (R1 + R2). At this distance, a donut that is seen edge-on already fills 175 degrees of
 /// the view.
@@ -325,7 +325,7 @@ fn run(options: &Options) -> io::Result<()> {
 }
 
 /// donut.c's `for (;;)`. In a pipe, there is nothing to do but to draw each frame when it is due. On a
-/// terminal, the loop also looks for signals, keys and a new size every PATIENCE or so. So in some of its
+/// terminal, the loop also looks for signals, keys and a new size, about every 50 ms. So in some of its
 /// rounds no frame is due, for example while the donut is paused.
 fn play(options: &Options, console: &Console) -> io::Result<()> {
     let interval = match options.fps {
@@ -405,14 +405,14 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
 /// the spin is 0. With donut.c's own start and spin, this ends at frame 3,345,245. There A passes 2^17, where
 /// the gap is 1/64, more than 0.04 / 4, and adding 0.04 adds 3/64.
 fn method_now(option: Method, view: &View, angles: [f64; 2], spin: [f64; 2]) -> Method {
-    let are_close = (0..2).all(|i| {
+    let floats_are_fine = (0..2).all(|i| {
         let float = angles[i].abs() as f32;
         let gap = f32::from_bits(float.to_bits() + 1) - float;
         let largest_gap = if spin[i] == 0.0 { 2e-4 } else { spin[i].abs() / 4.0 };
         f64::from(gap) <= largest_gap
     });
     match option {
-        Method::Auto if *view == View::DONUT_C && are_close => Method::Classic,
+        Method::Auto if *view == View::DONUT_C && floats_are_fine => Method::Classic,
         Method::Auto => Method::Exact,
         method => method,
     }
@@ -745,8 +745,8 @@ impl Torus {
     fn quartic(&self, &Ray { d0, f0, fu, .. }: &Ray) -> [f64; 3] {
         let r2_r2 = self.r2 * self.r2;
         // The square of the sine of the angle between the ray and the axis. Where the ray looks through a
-        // nearly closed hole, fu is nearly 1 or -1, and p and r are small. In this form, less of them is
-        // lost to rounding than if they were written with fu^2.
+        // nearly closed hole, fu is nearly 1 or -1, and p and r are small. Less of them is lost to rounding
+        // if 1 - fu^2 is computed first than if it were multiplied out.
         let sine_squared = 1.0 - fu * fu;
         let p = d0 + r2_r2 - 1.0 - 2.0 * r2_r2 * sine_squared;
         let q = 8.0 * r2_r2 * f0 * fu;
@@ -775,10 +775,10 @@ impl Torus {
     ///          ''  -w        w  ''
     /// ```
     ///
-    /// -w and w are the inflections of G, which need not be at s2 and s3. Between them G bends down,
-    /// and to the left and to the right of them it bends up. If there are no inflections, G bends up
-    /// everywhere, and w is 0. The bottom of a valley is where G bends up. So the bottom of the left valley
-    /// is left of -w, and s1 is further left still.
+    /// -w and w are the inflections of G, where its second derivative, 12 s^2 + 4 p, is 0. They need not
+    /// be at s2 and s3. Between them G bends down, and to the left and to the right of them it bends up.
+    /// If there are no inflections, G bends up everywhere, and w is 0. The bottom of a valley is where G
+    /// bends up. So the bottom of the left valley is left of -w, and s1 is further left still.
     ///
     /// Each ray has a search, which walks along the ray by Newton's method: it steps from s to where the
     /// tangent of G at s is 0. Where G bends up, it lies above its tangents, so a step that starts where G
@@ -818,9 +818,9 @@ impl Torus {
                 s[i] = if dead_end { w[i] } else { next };
             }
         }
-        // Where G rises at w or to the right of it, it goes on rising, so the ray misses. A search that is
-        // still at w, although G falls there, is case 3: if G were positive, a step would have led to the
-        // right.
+        // Where G rises at w or to the right of it, it is positive and goes on rising, so the ray misses.
+        // (If G were negative at w, it would have fallen all the way from s3.) A search that is still at w,
+        // although G falls there, is case 3: if G were positive, a step would have led to the right.
         let mut moving_left = false;
         for i in 0..LANES {
             let (_, slope) = newton([p[i], q[i], r[i]], s[i]);
@@ -832,6 +832,7 @@ impl Torus {
             moving_left = false;
             for i in 0..LANES {
                 let (next, _) = newton([p[i], q[i], r[i]], s[i]);
+                // s3 is right of -w. Only rounding can make a step seem to lead past -w.
                 let next = if next > -w[i] { next } else { -w[i] };
                 // All other searches stay. Those right of w, or at MISS, fail `s <= w`. Those left of -w
                 // are left of `next`, too.
@@ -1043,7 +1044,8 @@ mod system {
     use std::os::fd::AsFd;
     use std::sync::OnceLock;
 
-    /// The terminal's settings when the program first entered it.
+    /// The terminal's settings when the program first entered it. After a stop, some shells leave the
+    /// donut's own settings in place, so they are not taken again.
     static SETTINGS: OnceLock<Termios> = OnceLock::new();
 
     /// The file for the output, and whether it is a terminal.
@@ -1125,10 +1127,10 @@ mod system {
 
         /// The pressed keys that send a single byte.
         ///
-        /// An arrow key, for one, sends a code: an ESC and more bytes. A terminal's answer to an earlier
-        /// program is such a code as well, and may arrive late and in pieces. So PATIENCE after an ESC,
-        /// this function reads once more, and drops what it has read from the ESC on. But an ESC alone is
-        /// the Esc key, and so are several of them, if the key is held down.
+        /// An arrow key, for one, sends a code: an ESC and more bytes. The terminal's answer to a
+        /// question of an earlier program is such a code as well, and may arrive late and in pieces. So
+        /// PATIENCE after an ESC, this function reads once more, and drops what it has read from the ESC
+        /// on. But an ESC alone is the Esc key, and so are several of them, if the key is held down.
         pub fn keys(&self) -> Vec<u8> {
             let mut keys = self.read();
             if let Some(escape) = keys.iter().position(|&key| key == ESCAPE) {

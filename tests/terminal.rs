@@ -111,6 +111,12 @@ fn the_picture_fits_the_screen_at_every_size() {
         assert_eq!(pty.lines(), picture(size));
         assert_quits(&mut pty);
     }
+    // Here there is no room for the donut.
+    for size in [(80, 2), (80, 1)] {
+        let mut pty = donut(&["--method=classic"], size);
+        wait_for_frames(&pty, 2);
+        assert_quits(&mut pty);
+    }
 }
 
 #[test]
@@ -436,7 +442,7 @@ fn a_picture_on_another_terminal_fits_it_and_its_keys_end_the_donut() {
     shown.assert_restored();
 }
 
-/// After `su`, the terminal belongs to another user. It can still be opened as /dev/tty.
+/// After `su` without -c, the terminal belongs to another user, but can still be opened as /dev/tty.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_terminal_that_may_not_be_opened_by_its_name_is_drawn_on() {

@@ -12,8 +12,6 @@
 //! - Any other interval is halved, and the nearer half is searched first, until the halves are as short
 //!   as rounding allows.
 //!
-//! There is no polynomial, no derivative, and nothing that has to converge.
-//!
 //! In some cells, f64 has too few digits to decide what is right. Such a cell is a *tie*, and two kinds of
 //! answers are right there as well:
 //!
@@ -80,7 +78,8 @@ impl Oracle {
         let mut tubes = [self.r1 - blur, self.r1 + blur];
         let mut lights = tubes.map(|r1| self.look_at_tube(r1, dx, dy));
         let mut is_tie = explains(truth) || lights.into_iter().any(explains);
-        // Between two tubes that show different things, one begins to touch the ray.
+        // Between two tubes that show different things, there is one that the ray only just touches. This
+        // closes in on it, and asks whether any tube on the way shows what was drawn.
         while !is_tie && has_jump(lights) {
             let middle = (tubes[0] + tubes[1]) / 2.0;
             if tubes.contains(&middle) {
