@@ -23,10 +23,10 @@
 //!          :......... K2 .........:
 //! ```
 //!
-//! donut.c has R1 = 1, R2 = 2 and K2 = 5. The screen is a grid of cells, one for each character. K1, the
-//! distance of the screen, is measured in cells: it is 30 columns or 15 rows, because a cell is twice as
-//! tall as it is wide. The x axis goes right, the y axis goes *down*, and the z axis goes away from the
-//! viewer.
+//! donut.c has R1 = 1, R2 = 2 and K2 = 5. The screen is a grid of cells, one for each character. K1,
+//! the distance of the screen, has another unit than these three: it is counted in cells. It is 30
+//! columns or 15 rows, because a cell is twice as tall as it is wide. The x axis goes right, the y
+//! axis goes *down*, and the z axis goes away from the viewer.
 //!
 //! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps
 //! of 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one
@@ -169,6 +169,8 @@ struct Options {
     #[arg(default_value = "1", value_parser = within(1e-6..=1e4))]
     r1: f64,
     /// Radius of the ring, 1.01 to 30 times --r1
+    ///
+    /// The ring is the circle in the middle of the tube, all round the hole.
     #[arg(long, help_heading = "Geometry", value_name = "R")]
     #[arg(default_value = "2", value_parser = within(LENGTHS))]
     r2: f64,
@@ -241,9 +243,7 @@ fn parse_color(text: &str) -> Result<Color, String> {
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
-/// The range of R2 / R1. Beyond it, the hole or the tube is too small to see in most pictures: at 1.01,
-/// the hole is at most some 20 cells across in a picture of 4096 columns, and at 30, the tube of a donut
-/// far away is less than three columns thick in a picture of 80.
+/// The range of R2 / R1. Beyond it, the hole or the tube is too small to see in most pictures.
 const RING_RATIOS: RangeInclusive<f64> = 1.01..=30.0;
 /// The least K2 / (R1 + R2). At this distance, a donut that is seen edge-on already fills 175 degrees of
 /// the view.
@@ -354,7 +354,8 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
             thread::sleep(PATIENCE);
             continue;
         }
-        // In a pipe, too, this is true in the first round: donut.c begins by clearing the screen.
+        // If the program has just entered, the screen has to be cleared. In a pipe that is so in the first
+        // round: donut.c begins by clearing the screen.
         let mut clear = console.enter()?;
         let new_size = console.size()?;
         if new_size != size {
@@ -401,9 +402,9 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
 /// The method, `Classic` or `Exact`, that draws the frame with these angles.
 ///
 /// `Auto` draws donut.c's own picture with `Classic`, as long as floats are fine enough for it: the gap
-/// between an angle and the next float must be at most a quarter of the angle's spin, or at most 0.0002 if
-/// the spin is 0. With donut.c's own start and spin, this ends at frame 3,345,245. There A passes 2^17, where
-/// the gap is 1/64, more than 0.04 / 4, and adding 0.04 adds 3/64.
+/// between an angle and the next float must be at most a quarter of the angle's spin. (If the spin is 0,
+/// a gap of 0.0002 is too small to show.) With donut.c's own start and spin, this ends at frame
+/// 3,345,245. There A passes 2^17, where the gap is 1/64, more than 0.04 / 4, and adding 0.04 adds 3/64.
 fn method_now(option: Method, view: &View, angles: [f64; 2], spin: [f64; 2]) -> Method {
     let floats_are_fine = (0..2).all(|i| {
         let float = angles[i].abs() as f32;
@@ -472,8 +473,8 @@ impl View {
     }
 }
 
-/// How large the donut can look, on a screen at the distance 1: the radius of the circle that a sphere of
-/// radius R1 + R2 appears as. The donut touches this sphere from inside, however it is turned.
+/// How large the donut can look. However it is turned, it just fits into a sphere of radius R1 + R2, which
+/// looks like a circle. This is the circle's radius on a screen at the distance 1.
 fn apparent_radius(r2: f64, k2: f64) -> f64 {
     let radius = 1.0 + r2;
     radius / (k2 * k2 - radius * radius).sqrt()
@@ -672,8 +673,8 @@ type Lanes = [f64; LANES];
 /// The s of a ray that misses (see `Torus`).
 const MISS: f64 = f64::INFINITY;
 /// A search for a hit ends with a step no longer than this, in units of R1. After so short a step of
-/// Newton's method, hardly more than rounding errors are left. Where a ray grazes the donut, the hit may be
-/// further off along the ray. But there the ray runs along the surface, so this does not show.
+/// Newton's method, hardly more than rounding errors are left. Only where a ray grazes the donut, the search
+/// may end further from the true hit. But there the ray runs along the surface, so this does not show.
 const LAST_STEP: f64 = 1e-8;
 /// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly a
 /// whole number, and rounding would choose between two glyphs. With this added, the brighter one is drawn
@@ -818,9 +819,9 @@ impl Torus {
                 s[i] = if dead_end { w[i] } else { next };
             }
         }
-        // Where G rises at w or to the right of it, it is positive and goes on rising, so the ray misses.
-        // (If G were negative at w, it would have fallen all the way from s3.) A search that is still at w,
-        // although G falls there, is case 3: if G were positive, a step would have led to the right.
+        // A search at w or right of it, where G rises, misses: G is positive there and goes on rising. (If
+        // G is negative at w, it has been falling ever since s3.) A search that is still at w, although G
+        // falls there, is case 3: if G were positive, a step would have led to the right.
         let mut moving_left = false;
         for i in 0..LANES {
             let (_, slope) = newton([p[i], q[i], r[i]], s[i]);
@@ -1044,8 +1045,8 @@ mod system {
     use std::os::fd::AsFd;
     use std::sync::OnceLock;
 
-    /// The terminal's settings when the program first entered it. After a stop, some shells leave the
-    /// donut's own settings in place, so they are not taken again.
+    /// The terminal's settings when the program first entered it. Only those of the first time are kept:
+    /// after a stop, some shells leave the donut's own settings in place.
     static SETTINGS: OnceLock<Termios> = OnceLock::new();
 
     /// The file for the output, and whether it is a terminal.
@@ -1180,7 +1181,7 @@ mod system {
     }
 }
 
-/// Windows has neither jobs nor most of the signals, and its events are whole keys.
+/// Windows has neither jobs nor most of the signals, and each key arrives as one event, not as bytes.
 #[cfg(windows)]
 mod system {
     use super::*;
