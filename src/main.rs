@@ -24,9 +24,9 @@
 //! ```
 //!
 //! donut.c has R1 = 1, R2 = 2 and K2 = 5. The screen is a grid of cells, one for each character. K1,
-//! the distance of the screen, has another unit than these three: it is counted in cells. It is 30
-//! columns or 15 rows, because a cell is twice as tall as it is wide. The x axis goes right, the y
-//! axis goes *down*, and the z axis goes away from the viewer.
+//! the distance from the viewer to the screen, is measured in cells instead: it is as long as 30
+//! columns are wide or 15 rows are high, because a cell is twice as tall as it is wide. The x axis
+//! goes right, the y axis goes *down*, and the z axis goes away from the viewer.
 //!
 //! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps
 //! of 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one
@@ -333,12 +333,12 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
         // A Duration cannot hold 1 / fps seconds if fps is tiny. 1e9 seconds, nearly 32 years, will do.
         fps => Duration::from_secs_f64((1.0 / fps).min(1e9)),
     };
-    let last = options.frames.unwrap_or(u64::MAX);
-    let (mut frame, mut due, mut is_paused) = (0, Instant::now(), false);
+    let most_frames = options.frames.unwrap_or(u64::MAX);
+    let (mut frames_due, mut due, mut is_paused) = (0, Instant::now(), false);
     let mut angles = [options.a, options.b];
     let mut size = console.size()?;
     let mut renderer = Renderer::new(options.view(size), options.method, RAMP);
-    'rounds: while frame < last {
+    'rounds: while frames_due < most_frames {
         let until_due = due.saturating_duration_since(Instant::now());
         thread::sleep(if is_paused { PATIENCE } else { until_due.min(PATIENCE) });
         if console.end_signal.load(SeqCst) != 0 {
@@ -354,8 +354,8 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
             thread::sleep(PATIENCE);
             continue;
         }
-        // If the program has just entered, the screen has to be cleared. In a pipe that is so in the first
-        // round: donut.c begins by clearing the screen.
+        // After `enter` has entered the terminal, the screen has to be cleared. In a pipe there is nothing to
+        // enter, but `enter` returns true in the first round: donut.c also begins by clearing the screen.
         let mut clear = console.enter()?;
         let new_size = console.size()?;
         if new_size != size {
@@ -382,10 +382,10 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
         let is_due = !is_paused && due <= Instant::now();
         if is_due {
             // The first frame shows the starting angles.
-            if frame > 0 {
+            if frames_due > 0 {
                 angles = next_angles(renderer.method, angles, options.spin);
             }
-            frame += 1;
+            frames_due += 1;
             // Each frame is due one interval after the one before was due, so that delays do not add up.
             // But after a stall, the missed frames do not come in a burst.
             due = (due + interval).max(Instant::now());
@@ -673,8 +673,8 @@ type Lanes = [f64; LANES];
 /// The s of a ray that misses (see `Torus`).
 const MISS: f64 = f64::INFINITY;
 /// A search for a hit ends with a step no longer than this, in units of R1. After so short a step of
-/// Newton's method, hardly more than rounding errors are left. Only where a ray grazes the donut, the search
-/// may end further from the true hit. But there the ray runs along the surface, so this does not show.
+/// Newton's method, hardly more than rounding errors are left. Only where a ray grazes the donut may the
+/// search end further from the true hit. But there the ray runs along the surface, so this does not show.
 const LAST_STEP: f64 = 1e-8;
 /// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly a
 /// whole number, and rounding would choose between two glyphs. With this added, the brighter one is drawn
@@ -746,8 +746,8 @@ impl Torus {
     fn quartic(&self, &Ray { d0, f0, fu, .. }: &Ray) -> [f64; 3] {
         let r2_r2 = self.r2 * self.r2;
         // The square of the sine of the angle between the ray and the axis. Where the ray looks through a
-        // nearly closed hole, fu is nearly 1 or -1, and p and r are small. Less of them is lost to rounding
-        // if 1 - fu^2 is computed first than if it were multiplied out.
+        // nearly closed hole, fu is nearly 1 or -1, and p and r are small differences of larger terms.
+        // Computing 1 - fu^2 first keeps more of their digits than multiplying it out.
         let sine_squared = 1.0 - fu * fu;
         let p = d0 + r2_r2 - 1.0 - 2.0 * r2_r2 * sine_squared;
         let q = 8.0 * r2_r2 * f0 * fu;
@@ -790,10 +790,9 @@ impl Torus {
     ///    there is no s1, it comes to a dead end: a place where G rises, or a step that leads to -w or past
     ///    it. The search then starts again, at w. If the entry is further right, there is no s1, and the
     ///    search starts at w.
-    /// 2. If G is positive at w (in the drawing it is negative), there is no root before w: without an s1, G
-    ///    is positive at -w as well, and a curve that bends down stays above 0 between two such ends. The
-    ///    search moves right, towards s3. If there is no s3, it comes to where G rises, and stays there:
-    ///    the ray misses.
+    /// 2. If G is positive at w, there is no root before w: without an s1, G is positive at -w as well, and a
+    ///    curve that bends down stays above 0 between two such ends. The search moves right, towards s3. If
+    ///    there is no s3, it comes to where G rises, and stays there: the ray misses.
     /// 3. If G is negative at w, s3 is between -w and w, and the search moves left, towards s3.
     ///
     /// In each of the three cases a search moves in one direction, and a step that would lead the other way
@@ -819,9 +818,10 @@ impl Torus {
                 s[i] = if dead_end { w[i] } else { next };
             }
         }
-        // A search at w or right of it, where G rises, misses: G is positive there and goes on rising. (If
-        // G is negative at w, it has been falling ever since s3.) A search that is still at w, although G
-        // falls there, is case 3: if G were positive, a step would have led to the right.
+        // A search at w or right of it misses if G rises there: if G were negative at w, it would have been
+        // falling ever since s3. So G is positive, and goes on rising. If a search is still at w although G
+        // falls there, G is negative, because from a positive G a step would have led to the right. That is
+        // case 3.
         let mut moving_left = false;
         for i in 0..LANES {
             let (_, slope) = newton([p[i], q[i], r[i]], s[i]);
@@ -1111,9 +1111,9 @@ mod system {
             let mut changed = SETTINGS.get_or_init(|| settings).clone();
             changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO | LocalModes::IEXTEN;
             changed.input_modes -= InputModes::IXON;
-            // Ctrl-Z has to arrive as a byte, too: see `stop_job`. So the key that suspends is set to Ctrl-C
-            // as well. The system looks for an interrupt first, so Ctrl-C still interrupts, and no key
-            // suspends. (The value that stands for no key is not the same on all systems.)
+            // No key may suspend, because Ctrl-Z has to arrive as a byte: see `stop_job`. The value that
+            // means "no key" differs between systems, so the key that suspends is set to the one that
+            // interrupts, Ctrl-C. The system looks for an interrupt first, so Ctrl-C still interrupts.
             let interrupt = changed.special_codes[SpecialCodeIndex::VINTR];
             changed.special_codes[SpecialCodeIndex::VSUSP] = interrupt;
             Ok(termios::tcsetattr(&self.file, OptionalActions::Now, &changed)?)
@@ -1129,9 +1129,10 @@ mod system {
         /// The pressed keys that send a single byte.
         ///
         /// An arrow key, for one, sends a code: an ESC and more bytes. The terminal's answer to a
-        /// question of an earlier program is such a code as well, and may arrive late and in pieces. So
-        /// PATIENCE after an ESC, this function reads once more, and drops what it has read from the ESC
-        /// on. But an ESC alone is the Esc key, and so are several of them, if the key is held down.
+        /// question of an earlier program is such a code as well, and may arrive late and in pieces.
+        /// So after an ESC, this function waits for PATIENCE, reads once more, and drops the ESC and
+        /// all that follows it. But if nothing except ESCs has come, that is the Esc key, pressed once
+        /// or held down.
         pub fn keys(&self) -> Vec<u8> {
             let mut keys = self.read();
             if let Some(escape) = keys.iter().position(|&key| key == ESCAPE) {

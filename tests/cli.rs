@@ -351,9 +351,9 @@ fn where_stdout_is_no_terminal_signals_have_their_default_action() {
     {
         let file = format!("{}/signal-{name}", env!("CARGO_TARGET_TMPDIR"));
         let _ = fs::remove_file(&file);
-        // A program inherits the signals that are ignored, and a script ignores SIGINT for its jobs in
-        // the background. This test may be part of such a job. portable-pty gives the four signals
-        // their default action before it starts a program.
+        // This test may run in the background of a script, where SIGINT is ignored, and the program
+        // would inherit that. So it is started by portable-pty, which first gives the four signals
+        // their default action.
         let pty = native_pty_system().openpty(PtySize::default()).unwrap();
         let mut shell = CommandBuilder::new("sh");
         shell.args(["-c", r#"ulimit -c 0; exec "$0" > "$1""#, DONUT, &file]);

@@ -50,8 +50,8 @@ fn picture((columns, rows): (u16, u16)) -> Vec<String> {
     last_picture(&STILL, (columns, rows.saturating_sub(2).max(1)), rows)
 }
 
-/// What a screen of this many rows shows after the last frame, which is the first unless the options say
-/// otherwise.
+/// What a screen of this many rows shows when the donut has ended. It draws one frame, unless the options
+/// set another --frames.
 fn last_picture(options: &[&str], (width, height): (u16, u16), rows: u16) -> Vec<String> {
     let size = [format!("--width={width}"), format!("--height={height}")];
     let mut donut = Command::new(DONUT);
@@ -395,8 +395,8 @@ fn keys_come_from_the_terminal_whatever_standard_input_is() {
     }
 }
 
-/// The system gives each key to only one of the two programs: to the other one, as long as that is waiting
-/// for a key. But Ctrl-C is a signal to both.
+/// Only one of the two programs gets each key: the other program while it is waiting for one, otherwise the
+/// donut. But Ctrl-C sends a signal to both.
 #[test]
 fn another_program_that_reads_the_same_keys_does_not_freeze_the_donut() {
     for (reader, key, code) in [
@@ -739,8 +739,8 @@ fn ctrl_z_stops_the_donut_once_whatever_keys_are_typed_with_it() {
 /// This test stops the donut, types Ctrl-Z, sends SIGTERM and continues it, so the donut finds both at
 /// once. It runs in a child shell, so that bash does not notice the stop.
 ///
-/// The donut has two threads: the loop's, and one that ctrlc starts. If ctrlc's gets the signal, the
-/// loop may read the key a moment earlier, and Ctrl-Z is obeyed. So this test tries up to ten times, and
+/// The donut has two threads: the loop's, and one that ctrlc starts. If the signal goes to
+/// that one, the loop may read the key first, and obey Ctrl-Z. So this test tries up to ten times, and
 /// one success is enough: a loop that reads its keys before it looks for signals never succeeds.
 #[test]
 fn a_signal_that_comes_with_a_ctrl_z_ends_the_donut() {

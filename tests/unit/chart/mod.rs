@@ -259,7 +259,7 @@ fn failures() -> String {
          edge-on, it divides by nearly 0",
         "**Ferrari f64**: the same with twice the digits. It fails further away",
         "**Closed form**: Ferrari's formula in f64, but with distances from a point near the donut \
-         instead of from the viewer, and another way round that division. It takes longer than exact",
+         instead of from the viewer, and without the division by nearly 0. It takes longer than exact",
         "**Exact**: Newton's method, from starts where no step can jump past the first solution",
     ]
     .map(|text| format!("| {text} |"));
