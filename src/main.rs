@@ -970,7 +970,8 @@ impl Console {
 
     /// Writes a whole frame at once. `clear` says whether to clear the screen first.
     fn show(&self, renderer: &Renderer, clear: bool) -> io::Result<()> {
-        let mut bytes = Vec::new();
+        // The escape codes take a few bytes beside the cells.
+        let mut bytes = Vec::with_capacity(renderer.framebuffer.len() + 100);
         // The terminal holds the output back until the end of the update, so that nobody sees half a
         // frame.
         if self.is_terminal {
