@@ -148,12 +148,12 @@ struct Options {
     color: Option<Color>,
     /// Columns [default: all, or 80 in a pipe]
     ///
-    /// From 1 to 4096, but on a terminal no more than its columns.
+    /// From 1 to 4096, but at most the terminal's columns are used.
     #[arg(long, help_heading = "Size", value_name = "COLS", value_parser = within(SIZES))]
     width: Option<u16>,
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
-    /// From 1 to 4096, but on a terminal no more than its rows minus 2.
+    /// From 1 to 4096, but at most the terminal's rows minus 2 are used.
     #[arg(long, help_heading = "Size", value_name = "ROWS", value_parser = within(SIZES))]
     height: Option<u16>,
     /// Height of a cell divided by its width
@@ -334,11 +334,11 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
         fps => Duration::from_secs_f64((1.0 / fps).min(1e9)),
     };
     let most_frames = options.frames.unwrap_or(u64::MAX);
-    let (mut frames_due, mut due, mut is_paused) = (0, Instant::now(), false);
+    let (mut frame_count, mut due, mut is_paused) = (0, Instant::now(), false);
     let mut angles = [options.a, options.b];
     let mut size = console.size()?;
     let mut renderer = Renderer::new(options.view(size), options.method, RAMP);
-    'rounds: while frames_due < most_frames {
+    'rounds: while frame_count < most_frames {
         let until_due = due.saturating_duration_since(Instant::now());
         thread::sleep(if is_paused { PATIENCE } else { until_due.min(PATIENCE) });
         if console.end_signal.load(SeqCst) != 0 {
@@ -382,10 +382,10 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
         let is_due = !is_paused && due <= Instant::now();
         if is_due {
             // The first frame shows the starting angles.
-            if frames_due > 0 {
+            if frame_count > 0 {
                 angles = next_angles(renderer.method, angles, options.spin);
             }
-            frames_due += 1;
+            frame_count += 1;
             // Each frame is due one interval after the one before was due, so that delays do not add up.
             // But after a stall, the missed frames do not come in a burst.
             due = (due + interval).max(Instant::now());
@@ -781,6 +781,9 @@ impl Torus {
     /// If there are no inflections, G bends up everywhere, and w is 0. The bottom of a valley is where G
     /// bends up. So the bottom of the left valley is left of -w, and s1 is further left still.
     ///
+    /// Without inflections there is only one valley. Its first root is s1 if it is left of 0, and otherwise
+    /// s3.
+    ///
     /// Each ray has a search, which walks along the ray by Newton's method: it steps from s to where the
     /// tangent of G at s is 0. Where G bends up, it lies above its tangents, so a step that starts where G
     /// is positive never passes a root. Where G bends down, the same holds for a step that starts where G
@@ -818,10 +821,10 @@ impl Torus {
                 s[i] = if dead_end { w[i] } else { next };
             }
         }
-        // A search at w or right of it misses if G rises there: if G were negative at w, it would have been
-        // falling ever since s3. So G is positive, and goes on rising. If a search is still at w although G
-        // falls there, G is negative, because from a positive G a step would have led to the right. That is
-        // case 3.
+        // Now each search that is not at s1 is at w or to the right of it. If G rises there, the ray misses:
+        // G is positive and goes on rising. (If G is negative at w, it falls all the way from s3 to w.) If G
+        // falls and the search is still at w, G is negative: from a positive G, a step would have led to the
+        // right. That is case 3.
         let mut moving_left = false;
         for i in 0..LANES {
             let (_, slope) = newton([p[i], q[i], r[i]], s[i]);
@@ -1074,7 +1077,8 @@ mod system {
 
     /// Ends the program by this signal.
     pub fn raise(signal: i32) {
-        // The first process of a container ignores signals that it does not handle.
+        // The first process of a container cannot end itself by a signal: the system ignores it. Then the
+        // exit code has to do.
         if process::id() != 1 {
             let _ = low_level::emulate_default_handler(signal);
         }

@@ -1,7 +1,6 @@
 //! Files of the source tree that are made by the program or from its options, such as pictures and
 //! completions. They are stored so that nobody has to make them before reading or packing them. The
-//! tests make them again, and fail where a stored one is out of date. Only the table of measurements has
-//! columns and rows that no test makes again: its times, and its larger pictures.
+//! tests make them again, all but the table of measurements, and fail where a stored one is out of date.
 
 use std::{env, fs};
 

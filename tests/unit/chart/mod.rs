@@ -324,8 +324,8 @@ fn clock_errors() -> Vec<(u32, f64)> {
 
 const TABLE: &str = "tests/chart/speed-and-accuracy.csv";
 
-/// The files that are drawn or computed without a measurement of time: their names and contents.
-/// The first is drawn from the measured table, as it is stored.
+/// The files that can be made without measuring any times: their names and contents. The first is drawn
+/// from the times stored in the table.
 fn drawn() -> [(&'static str, String); 4] {
     let table = read(TABLE);
     let column = |line: &str, n| line.split(',').nth(n).unwrap().parse::<f64>().unwrap();
