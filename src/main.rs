@@ -1,14 +1,13 @@
 //! donut.c, Andy Sloane's spinning ASCII torus of 2006, in Rust.
 //!
-//! donut.c fills a terminal of 80 columns and 24 rows with a picture of 80 by 22 characters. At that
-//! size this program draws the same picture, byte for byte. A picture of any other size has no original
-//! that it could match, so it is ray-traced, unless an option says otherwise.
+//! donut.c fills a terminal of 80 columns and 24 rows with a picture of 80 by 22 characters. At that size
+//! this program draws the same picture, byte for byte. A picture of any other size has no original to match,
+//! so it is ray-traced, unless an option says otherwise.
 //!
 //! # How donut.c draws a donut
 //!
-//! A torus is the surface swept by a small circle, the tube, whose centre travels round a large circle,
-//! the ring. Here is the torus of the first frame, cut in half and seen from the side. The viewer is on
-//! the left:
+//! A torus is the surface swept by a small circle, the tube, whose centre travels round a large circle, the
+//! ring. Here is the torus of the first frame, cut in half and seen from the side. The viewer is on the left:
 //! ```text
 //!                                .-.
 //!           screen              ( +-)--  R1, the radius of the tube
@@ -23,51 +22,58 @@
 //!          :......... K2 .........:
 //! ```
 //!
-//! donut.c has R1 = 1, R2 = 2 and K2 = 5. The screen is a grid of cells, one for each character. K1,
-//! the distance from the viewer to the screen, is measured in cells instead: it is as long as 30
-//! columns are wide or 15 rows are high, because a cell is twice as tall as it is wide. The x axis
-//! goes right, the y axis goes *down*, and the z axis goes away from the viewer.
+//! donut.c has R1 = 1, R2 = 2 and K2 = 5. The screen is a grid of cells, one for each character, and K1, the
+//! distance from the viewer to the screen, is measured in cells: it is 30 columns, or 15 rows, since a cell
+//! is twice as tall as it is wide. The x axis goes right, the y axis goes *down*, and the z axis goes away
+//! from the viewer.
 //!
-//! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps
-//! of 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one
-//! sample: a point of the surface, and the normal there, which is the direction that the surface faces.
-//! The point is at the distance h from the axis, and at the distance f from the plane of the ring:
+//! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps of
+//! 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one sample: a
+//! point of the surface, and the normal there, which is the direction that the surface faces. The point is at
+//! the distance h from the axis, and at the distance f from the plane of the ring:
 //! ```text
 //! h = R2 + R1 cos theta      point   (h cos phi, h sin phi, f)
 //! f = R1 sin theta           normal  (cos theta cos phi, cos theta sin phi, sin theta)
 //! ```
 //!
-//! **Turns.** The donut is turned by the angle A about the x axis, and then by B about the z axis. Each
-//! frame adds 0.04 to A and 0.02 to B. The two turns move the point to (X, Y, Z). In the formulas, t is
-//! the point's y after the first turn. The normal is turned in the same way.
+//! **Rotation.** The donut is rotated by the angle A about the x axis, and then by B about the z axis. Each
+//! frame adds 0.04 to A and 0.02 to B. The two rotations take the point to (X, Y, Z); in the formulas, t is
+//! the point's y after the first rotation. The normal is rotated in the same way.
 //! ```text
 //! t = h sin phi cos A - f sin A      X = h cos phi cos B - t sin B
 //! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
 //! ```
 //!
-//! **Perspective.** Seen from the viewer, the point is at the depth `z = Z + K2`. Things twice as far
-//! away look half as large, so the point appears `K1 X / z` to the right of the donut's centre, and `K1
-//! Y / z` below it. donut.c has this centre at column 40 and row 12 of its 80x22 cells. That is below
-//! the middle, and in some poses the lowest part of the donut is cut off.
+//! **Perspective.** Seen from the viewer, the point is at the depth `z = Z + K2`. Things twice as far away
+//! look half as large, so the point appears `K1 X / z` to the right of the donut's centre, and `K1 Y / z`
+//! below it. donut.c puts this centre at column 40 and row 12 of its 80x22 cells. That is below the middle,
+//! and in some poses the lowest part of the donut is cut off.
 //!
-//! **The z-buffer.** Many samples fall into the same cell, and the cell shows the nearest of them. To
-//! find it, a z-buffer keeps the largest 1/z so far for each cell.
+//! **The z-buffer.** Many samples fall into the same cell, and the cell shows the nearest of them. To find
+//! it, a z-buffer keeps the largest 1/z so far for each cell.
 //!
-//! **Luminance.** The cell shows how bright its sample is. The luminance L is the dot product of the
-//! normal and the vector (0, -1, -1), which points at the light, above and behind the viewer. This
-//! vector is sqrt 2 long, so L is at most 1.41. donut.c multiplies L by 8, which gives at most 11.3. The
-//! whole part of 8 L is an index, from 0 to 11, into a ramp of twelve characters from dark to bright,
-//! `.,-~:;=!*#$@`. Where L is negative, the surface faces away from the light, and the index is 0.
+//! **Luminance.** The cell shows how bright its sample is. The luminance L is the dot product of the normal
+//! and the vector (0, -1, -1), which points at the light, above and behind the viewer. This vector is sqrt 2
+//! long, so L is at most sqrt 2, and 8 L is at most 11.3. The integer part of 8 L is an index, from 0 to 11,
+//! into a ramp of twelve characters from dark to bright, `.,-~:;=!*#$@`. Where L is negative, the surface
+//! faces away from the light, and the index is 0.
 //!
-//! The letters R1, R2, K1, K2, A, B and L are those of the [article] in which Andy Sloane explains
-//! donut.c. But A and B are the angles of donut.c itself: its A is pi/2 minus the article's A, and its B
-//! is minus the article's B. All angles are in radians.
+//! The letters R1, R2, K1, K2, A, B and L are those of the [article] in which Andy Sloane explains donut.c.
+//! But A and B are the angles of donut.c itself: its A is pi/2 minus the article's A, and its B is minus the
+//! article's B. All angles are in radians.
 //!
 //! # Two methods
 //!
-//! `classic` is all of the above: for each sample, it asks which cell the sample falls into. `exact`
-//! goes the other way: for each cell, it asks what is there. It follows the ray from the viewer through
-//! the centre of the cell, and the cell shows the first point of the donut that the ray hits.
+//! `classic` is all of the above: for each sample, it asks which cell the sample falls into. `exact` goes the
+//! other way: for each cell, it asks what is there. It follows the ray from the viewer through the centre of
+//! the cell, and the cell shows the first point of the donut that the ray hits.
+//!
+//! # This file
+//!
+//! `View` says where the donut appears in the picture, and `Renderer` draws it by either method. The next two
+//! sections are the mathematics of the methods: donut.c's arithmetic, and the search for the point that a ray
+//! hits. Then come the options, and the loop that draws frame after frame. The last section is the terminal:
+//! its screen, keys and signals, and what differs between systems.
 //!
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
@@ -81,7 +87,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
 use std::time::{Duration, Instant};
-use std::{env, panic, thread};
+use std::{array, env, panic, thread};
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
@@ -91,6 +97,474 @@ use crossterm::style::{self, Color, ResetColor, SetForegroundColor};
 use crossterm::terminal::{
     BeginSynchronizedUpdate, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
 };
+
+// ---- View ----------------------------------------------------------------------------------------
+
+/// The donut's proportions, the size of the picture, and how the donut is projected onto the picture.
+///
+/// Lengths are in units of the tube's radius, so that R1 is 1. Places in the picture are measured in cells:
+/// the cell in column c and row r reaches from c to c + 1 across, and from r to r + 1 down. The point
+/// (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)` and `y = cy + k1y Y / (Z + K2)`. Nothing is drawn in
+/// column 0, in place of which donut.c prints a newline, or in row 0, which its test `y > 0` leaves out.
+#[derive(Clone, Copy, PartialEq)]
+struct View {
+    r2: f64,
+    k2: f64,
+    /// Columns and rows of the picture.
+    width: usize,
+    height: usize,
+    /// Where the centre of the donut appears.
+    cx: f64,
+    cy: f64,
+    /// K1, measured in columns and in rows.
+    k1x: f64,
+    k1y: f64,
+}
+
+impl View {
+    const DONUT_C: View =
+        View { r2: 2.0, k2: 5.0, width: 80, height: 22, cx: 40.0, cy: 12.0, k1x: 30.0, k1y: 15.0 };
+
+    /// donut.c's own view if everything is as in donut.c. Otherwise, the donut is in the middle of the
+    /// picture, and as large as it can be without being cut off in any pose. `aspect` is the height of a cell
+    /// divided by its width.
+    fn new(width: usize, height: usize, aspect: f64, r2: f64, k2: f64) -> View {
+        if (width, height, aspect, r2, k2) == (80, 22, 2.0, 2.0, 5.0) {
+            return View::DONUT_C;
+        }
+        let (w, h) = (width as f64, height as f64);
+        let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / apparent_radius(r2, k2);
+        // Column 0 and row 0 stay empty, so the donut is in the middle of the other cells.
+        let (cx, cy) = ((w + 1.0) / 2.0, (h + 1.0) / 2.0);
+        View { r2, k2, width, height, cx, cy, k1x, k1y: k1x / aspect }
+    }
+}
+
+/// How large the donut can look. However the donut is rotated, it just fits into its bounding sphere, a sphere
+/// of radius R1 + R2 around its centre. The sphere looks like a circle, and this is the radius of that circle
+/// on a screen at the distance 1.
+fn apparent_radius(r2: f64, k2: f64) -> f64 {
+    let radius = 1.0 + r2;
+    radius / (k2 * k2 - radius * radius).sqrt()
+}
+
+// ---- Rendering -----------------------------------------------------------------------------------
+
+// Here, and in `Options`, the doc comments are what --help says.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum Method {
+    /// As donut.c does: plot many points, and let the nearest win
+    Classic,
+    /// Follow a ray through the middle of each character
+    Exact,
+}
+
+/// The characters that show the luminance, from dark to bright.
+const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
+
+/// The character of a luminance L: the one at index 8 L of the ramp.
+fn glyph(luminance: f64) -> u8 {
+    // `as u8` drops the fraction, and makes a negative number 0. `min` only saves a bounds check.
+    RAMP[usize::from((8.0 * luminance) as u8).min(RAMP.len() - 1)]
+}
+
+struct Renderer {
+    view: View,
+    method: Method,
+    /// The character in each cell: `width * height` bytes, row by row, blank where there is no donut.
+    framebuffer: Vec<u8>,
+    /// For `classic`: 1/z of the nearest sample so far, in each cell. There are two rows more than in the
+    /// framebuffer, because in donut.c's own view some samples fall below the picture, by up to two rows.
+    zbuffer: Vec<f32>,
+    /// For `classic`: the tables of theta and of phi, made when they are first needed.
+    tables: Option<[TrigTable; 2]>,
+}
+
+impl Renderer {
+    fn new(view: View, method: Method) -> Renderer {
+        let framebuffer = vec![b' '; view.width * view.height];
+        let zbuffer = vec![0.0; view.width * (view.height + 2)];
+        Renderer { view, method, framebuffer, zbuffer, tables: None }
+    }
+
+    /// Draws the donut, rotated by the angles A and B, into the framebuffer.
+    fn render_frame(&mut self, a: f64, b: f64) {
+        self.framebuffer.fill(b' ');
+        match self.method {
+            Method::Classic => self.plot_samples(a as f32, b as f32),
+            Method::Exact => self.trace(a, b, Torus::first_hits::<LANES>),
+        }
+    }
+
+    /// Removes the shading from the frame: every glyph becomes the darkest one.
+    fn flatten(&mut self) {
+        for cell in self.framebuffer.iter_mut().filter(|cell| **cell != b' ') {
+            *cell = RAMP[0];
+        }
+    }
+
+    /// `classic`: donut.c's double loop over theta and phi.
+    ///
+    /// All arithmetic is in f32 and in donut.c's order of operations, because another order would round to
+    /// other characters. donut.c has names of one letter: `sin_phi` is its c, `cos_theta` d, `sin_a` e,
+    /// `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `index` o.
+    fn plot_samples(&mut self, a: f32, b: f32) {
+        let View { width, height, r2, k2, cx, cy, k1x, k1y } = self.view;
+        // In a cell of the picture, 1/z = 0 means infinitely far away, so that any sample is nearer. Column
+        // 0, row 0 and the rows below the picture have infinity instead, which no sample exceeds.
+        self.zbuffer.fill(f32::INFINITY);
+        for row in 1..height {
+            self.zbuffer[row * width + 1..(row + 1) * width].fill(0.0);
+        }
+        let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
+        let ((sin_a, cos_a), (sin_b, cos_b)) = (sin_cos(a), sin_cos(b));
+        let tables = self.tables.get_or_insert_with(|| angle_steps(&self.view).map(trig_table));
+        let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] = tables;
+        // donut.c's loop over phi is three loops here, so that the compiler can vectorise the first two. The
+        // slices tell it that the tables are equally long, which saves the bounds checks.
+        let phi_count = sin_phis.len();
+        let (sin_phis, cos_phis) = (&sin_phis[..phi_count], &cos_phis[..phi_count]);
+        let [mut ooz, mut x, mut y] = [(); 3].map(|_| vec![0.0; phi_count]);
+        let mut indices = vec![0; phi_count];
+        for (&sin_theta, &cos_theta) in sin_thetas.iter().zip(cos_thetas.iter()) {
+            let h = cos_theta + r2;
+            for i in 0..phi_count {
+                let (sin_phi, cos_phi) = (sin_phis[i], cos_phis[i]);
+                ooz[i] = 1.0 / (sin_phi * h * sin_a + sin_theta * cos_a + k2);
+                let t = sin_phi * h * cos_a - sin_theta * sin_a;
+                x[i] = cx + k1x * ooz[i] * (cos_phi * h * cos_b - t * sin_b);
+                y[i] = cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b);
+            }
+            // donut.c skips the samples outside the picture. Here, the z-buffer rejects those below it. No
+            // sample falls left of column 0 or above row 0. A sample on the right edge, where x is `width`,
+            // counts as one in column 0 of the next row.
+            for i in 0..phi_count {
+                indices[i] = floor(x[i]) + width as u32 * floor(y[i]);
+            }
+            for i in 0..phi_count {
+                let index = indices[i] as usize;
+                let (sin_phi, cos_phi) = (sin_phis[i], cos_phis[i]);
+                if self.zbuffer[index] < ooz[i] {
+                    self.zbuffer[index] = ooz[i];
+                    // The dot product of the rotated normal and (0, -1, -1).
+                    let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
+                        - sin_phi * cos_theta * sin_a
+                        - sin_theta * cos_a
+                        - cos_phi * cos_theta * sin_b;
+                    self.framebuffer[index] = glyph(luminance.into());
+                }
+            }
+        }
+    }
+
+    /// `exact`: each cell shows what the ray through its centre hits first. `first_hits` finds the hits of N
+    /// rays at a time. (It is a parameter because the tests compare several ways of finding them.)
+    fn trace<const N: usize>(
+        &mut self,
+        a: f64,
+        b: f64,
+        first_hits: impl Fn(&Torus, &[Ray; N]) -> [f64; N],
+    ) {
+        let View { r2, k2, width, cx, cy, k1x, k1y, .. } = self.view;
+        let torus = Torus::new(r2, a, b);
+        let radius = apparent_radius(r2, k2);
+        for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
+            let dy = (row as f64 + 0.5 - cy) / k1y;
+            // Only the cells in the circle of the bounding sphere can show the donut. (Row 0 is skipped, and
+            // column 0 stays blank because every ray through it misses.)
+            let half_width = (radius * radius - dy * dy).max(0.0).sqrt() * k1x;
+            let end = width.min((cx + half_width) as usize + 1);
+            for column in ((cx - half_width) as usize..end).step_by(N) {
+                let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
+                let rays = array::from_fn(|i| torus.ray(dx(i), dy, k2));
+                let hits = first_hits(&torus, &rays);
+                // For a miss the luminance is meaningless, but skipping it would take a branch.
+                let luminances: [f64; N] = array::from_fn(|i| torus.luminance(&rays[i], hits[i]));
+                for (i, cell) in cells[column..end].iter_mut().take(N).enumerate() {
+                    if hits[i] < MISS {
+                        *cell = glyph(luminances[i] + TIE_BIAS);
+                    }
+                }
+            }
+        }
+    }
+}
+
+// ---- classic: donut.c's arithmetic ---------------------------------------------------------------
+
+/// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
+///
+/// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
+/// gaps. (At A = B = pi/2, donut.c's own picture has a few.) Where the donut is drawn n times as large, in
+/// columns or in rows, whichever is more, each step is divided by n.
+fn angle_steps(view: &View) -> [f64; 2] {
+    let scale = f64::min(View::DONUT_C.k1x / view.k1x, View::DONUT_C.k1y / view.k1y).min(1.0);
+    [0.07 * scale, 0.02 * scale]
+}
+
+/// The sines and the cosines of the angles that one of donut.c's loops runs through.
+type TrigTable = (Vec<f32>, Vec<f32>);
+
+/// The table for the angles 0, `step`, and so on, once round.
+fn trig_table(step: f64) -> TrigTable {
+    let angles = std::iter::successors(Some(0.0), |&angle| Some(add_step(angle, step)));
+    // donut.c stops at 6.28. With its own steps, TAU gives the same angles; shorter ones would leave a gap.
+    angles.take_while(|&angle| f64::from(angle) < TAU).map(sin_cos).unzip()
+}
+
+/// donut.c's `angle += step`: C adds in `double` and rounds the sum to `float`.
+fn add_step(angle: f32, step: f64) -> f32 {
+    (f64::from(angle) + step) as f32
+}
+
+/// The sine and the cosine of an angle: C computes them in `double`, and rounds them to `float`.
+fn sin_cos(angle: f32) -> (f32, f32) {
+    let (sin, cos) = f64::from(angle).sin_cos();
+    (sin as f32, cos as f32)
+}
+
+/// The integer part of a value from 0 to 2^23: `value as u32`, but in plain arithmetic, which the compiler
+/// vectorises even if the processor has no vector instruction for the cast. From 2^23 to 2^24 floats are 1
+/// apart, so adding 2^23 rounds the value to an integer, which is left in the low bits of the sum.
+fn floor(value: f32) -> u32 {
+    const TWO_TO_23: f32 = 8_388_608.0;
+    let rounded = value + TWO_TO_23;
+    let was_rounded_up = rounded - TWO_TO_23 > value;
+    rounded.to_bits() - TWO_TO_23.to_bits() - u32::from(was_rounded_up)
+}
+
+// ---- exact: rays and a torus ---------------------------------------------------------------------
+
+/// How many rays are followed side by side. The compiler vectorises the loops over them, and while one ray
+/// waits for a division, others go on.
+const LANES: usize = 8;
+/// The s of a ray that misses (see `Ray`).
+const MISS: f64 = f64::INFINITY;
+/// A search for a hit ends with a step no longer than this, in units of R1. Newton's method converges so fast
+/// that little more than rounding error is left then. Only where a ray grazes the donut may the true hit be
+/// further away; but there the ray runs along the surface, so that this does not show.
+const LAST_STEP: f64 = 1e-8;
+/// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly an
+/// integer. Rounding would then choose between two glyphs; this makes every machine draw the brighter one.
+const TIE_BIAS: f64 = 1e-12;
+
+/// A ray: the points P = P0 + s U.
+///
+/// U is the direction of the ray, of length 1. P0 is the point of the ray that is nearest to the donut's
+/// centre, the origin, so P0 and U are perpendicular. The number s says where on the ray P is: s is 0 at P0,
+/// and negative on the viewer's side of it. Three quantities at P matter:
+/// ```text
+/// |P|^2 = d0^2 + s^2    the square of the distance from the centre
+/// f     = f0 + fu s     the distance from the plane of the ring, negative on one side
+/// e     = e0 + eu s     the dot product of P and (0, -1, -1), the vector to the light
+/// ```
+#[derive(Clone, Copy, Debug)]
+struct Ray {
+    d0_squared: f64,
+    f0: f64,
+    fu: f64,
+    e0: f64,
+    eu: f64,
+}
+
+/// The donut of one frame.
+struct Torus {
+    r2: f64,
+    /// The axis of revolution, of length 1, after the rotations by A and B.
+    axis: [f64; 3],
+}
+
+impl Torus {
+    fn new(r2: f64, a: f64, b: f64) -> Torus {
+        let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
+        Torus { r2, axis: [sin_a * sin_b, -sin_a * cos_b, cos_a] }
+    }
+
+    /// The ray from the viewer at (0, 0, -K2) in the direction (dx, dy, 1).
+    fn ray(&self, dx: f64, dy: f64, k2: f64) -> Ray {
+        let [nx, ny, nz] = self.axis;
+        // Let alpha be the angle between the ray and the z axis. Then U is (dx, dy, 1) times cos alpha. P0 is
+        // (dx, dy, -tan^2 alpha) times `depth`, its distance from the viewer along the z axis.
+        let tan_squared = dx * dx + dy * dy;
+        let cos = 1.0 / (1.0 + tan_squared).sqrt();
+        let depth = k2 * cos * cos;
+        Ray {
+            d0_squared: k2 * depth * tan_squared,
+            f0: depth * (dx * nx + dy * ny - tan_squared * nz),
+            fu: cos * (dx * nx + dy * ny + nz),
+            e0: depth * (tan_squared - dy),
+            eu: -cos * (dy + 1.0),
+        }
+    }
+
+    /// The coefficients p, q and r of the ray's quartic G, whose roots are where the ray meets the surface.
+    ///
+    /// Let h be the distance of P from the axis. P is on the surface if it is R1 = 1 away from the ring:
+    /// ```text
+    /// (h - R2)^2 + f^2 = 1
+    /// |P|^2 + R2^2 - 1 = 2 R2 h                            because |P|^2 = h^2 + f^2
+    /// (|P|^2 + R2^2 - 1)^2 - 4 R2^2 (|P|^2 - f^2) = 0      squared
+    /// ```
+    ///
+    /// Squaring adds no roots: as R2 > 1, neither side of the second line can be negative. The left side of
+    /// the last line is G. With |P|^2 and f written out, and with c = d0^2 + R2^2 - 1, it is
+    /// ```text
+    /// G(s) = (s^2 + p)^2 + q s + r    p = c - 2 R2^2 (1 - fu^2)
+    ///                                 q = 8 R2^2 f0 fu
+    ///                                 r = c^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
+    ///                                   = 4 R2^2 (f0^2 - d0^2 fu^2 - (1 - fu^2) (1 - R2^2 fu^2))
+    /// ```
+    ///
+    /// Because s is measured from P0, there is no cubic term, and the coefficients stay small however far
+    /// away the viewer is.
+    fn quartic(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> [f64; 3] {
+        let r2_squared = self.r2 * self.r2;
+        // fu is the cosine of the angle between the ray and the axis. Where the ray looks through a nearly
+        // closed hole, fu is nearly 1 or -1, and p and r are small differences of larger terms. Computing
+        // 1 - fu^2, the square of the sine, first keeps more of their digits. So does r's second form.
+        let sin_squared = 1.0 - fu * fu;
+        let p = d0_squared + r2_squared - 1.0 - 2.0 * r2_squared * sin_squared;
+        let q = 8.0 * r2_squared * f0 * fu;
+        let r = 4.0
+            * r2_squared
+            * (f0 * f0 - d0_squared * fu * fu - sin_squared * (1.0 - r2_squared * fu * fu));
+        [p, q, r]
+    }
+
+    /// The s where the ray enters the donut's bounding volume: the slice of the bounding sphere between the
+    /// planes f = -1 and f = 1. No hit comes before it. For a ray that misses the volume, any s will do,
+    /// because its search finds nothing.
+    fn entry(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> f64 {
+        let radius = 1.0 + self.r2;
+        let sphere = -(radius * radius - d0_squared).max(0.0).sqrt();
+        // The ray enters through the plane f = -1 if fu > 0, and through f = 1 if fu < 0. If fu is 0, this is
+        // infinite, or NaN, which `max` ignores.
+        let planes = -(1.0 + f0 * fu.signum()) / fu.abs();
+        sphere.max(planes)
+    }
+
+    /// The luminance L where the ray hits: the dot product of the normal and the vector to the light. With
+    /// the axis n, and with m, the dot product of n and the vector to the light:
+    /// ```text
+    /// normal = (P - f n) (1 - R2 / h) + f n      on the surface, h = (|P|^2 + R2^2 - 1) / (2 R2)
+    /// L      = (e - f m) (1 - R2 / h) + f m
+    /// ```
+    fn luminance(&self, ray: &Ray, s: f64) -> f64 {
+        let r2_squared = self.r2 * self.r2;
+        let m = -(self.axis[1] + self.axis[2]);
+        let f = ray.f0 + ray.fu * s;
+        let e = ray.e0 + ray.eu * s;
+        let radial = 1.0 - 2.0 * r2_squared / (ray.d0_squared + s * s + r2_squared - 1.0);
+        (e - f * m) * radial + f * m
+    }
+
+    /// The s of each ray's first hit, or `MISS`.
+    ///
+    /// G is positive outside the donut and negative inside. The viewer is outside, so a ray's first hit is
+    /// where its G first falls to 0: at s1 in the drawing or, if there is no s1, at s3.
+    /// ```text
+    ///  G  \           .---.           /
+    ///      \        .'     '.        /
+    ///  -----s1----s2---------s3----s4---> s
+    ///        '.  .'           '.  .'
+    ///          ''  -w        w  ''
+    /// ```
+    ///
+    /// -w and w are the inflections of G, where its second derivative, 12 s^2 + 4 p, is 0. (They need not be
+    /// at s2 and s3.) Between them G is concave, and on either side of them it is convex. So left of -w, G
+    /// falls to 0 at most once, which is s1. If it does not, then right of -w it falls to 0 at most once,
+    /// which is s3. Each of the two is missing where its valley is too shallow, or where there is no such
+    /// valley. If p is not negative, there are no inflections: G is convex, and falls to 0 at most once. Then w
+    /// is taken to be 0, and the root is called s1 if it is negative, and s3 otherwise.
+    ///
+    /// A ray's search for its hit uses Newton's method, which steps from s to the root of the tangent at s.
+    /// Where G is convex, it lies above its tangents, so a step from a positive G never passes a root, unless
+    /// the step leaves the convex part. Where G is concave, the same holds for a step from a negative G.
+    ///
+    /// 1. If the ray enters the bounding volume left of -w, the search starts there, and steps right, towards
+    ///    s1. If there is no s1, it comes to a dead end: either G rises, or a step leads to -w or beyond. Such
+    ///    a step is not taken. Instead, the search starts again at w. If the ray enters further right, there
+    ///    is no s1, and the search starts at w.
+    /// 2. If G is positive at w, it is positive from -w to w: without an s1, G is not negative at -w, and a
+    ///    concave curve lies above its chords. The search steps right, towards s3. If there is no s3, it
+    ///    stops where G rises: the ray misses.
+    /// 3. If G is negative at w, s3 is between -w and w. G falls all the way from s3 to w, so its slope at w
+    ///    is negative. The search steps left, towards s3.
+    ///
+    /// A step in the other direction is never taken, so rounding cannot make a search oscillate for ever.
+    fn first_hits<const N: usize>(&self, rays: &[Ray; N]) -> [f64; N] {
+        // Each coefficient has an array of its own, so that one instruction loads it for several rays.
+        let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
+        for (i, ray) in rays.iter().enumerate() {
+            [p[i], q[i], r[i]] = self.quartic(ray);
+            w[i] = (p[i] / -3.0).max(0.0).sqrt();
+            let entry = self.entry(ray);
+            s[i] = if entry < -w[i] { entry } else { w[i] };
+        }
+        // Cases 1 and 2.
+        let mut is_moving = true;
+        while is_moving {
+            is_moving = false;
+            for i in 0..N {
+                let (next, moves) = step_right([p[i], q[i], r[i]], w[i], s[i]);
+                s[i] = next;
+                is_moving |= moves;
+            }
+        }
+        for i in 0..N {
+            s[i] = hit_or_miss([p[i], q[i], r[i]], w[i], s[i]);
+            is_moving |= s[i] == w[i];
+        }
+        // Case 3.
+        while is_moving {
+            is_moving = false;
+            for i in 0..N {
+                let (next, moves) = step_left([p[i], q[i], r[i]], w[i], s[i]);
+                s[i] = next;
+                is_moving |= moves;
+            }
+        }
+        s
+    }
+}
+
+// The parts of `first_hits`, for one ray. They have no branches, so that the compiler can vectorise the loops
+// that call them: `&` and `|` evaluate both sides, and each `if` only chooses between two values.
+
+/// Cases 1 and 2: where the search goes from s, and whether it has further to go.
+fn step_right(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
+    let (next, slope) = newton(quartic, s);
+    let is_dead_end = (s < -w) & ((slope >= 0.0) | (next >= -w));
+    let next = if next > s { next } else { s };
+    (if is_dead_end { w } else { next }, is_dead_end | (next - s > LAST_STEP))
+}
+
+/// What the steps to the right have led to: `MISS`, or else s, which is s1, s3, or w.
+///
+/// Left of -w, the search is at s1. Otherwise, the slope decides. Where G rises, the ray misses. Where it
+/// falls, a search right of w is at s3. If a search is still at w, G is negative there, because from a
+/// positive G a step would have led to the right: that is case 3.
+fn hit_or_miss(quartic: [f64; 3], w: f64, s: f64) -> f64 {
+    let (_, slope) = newton(quartic, s);
+    if (s >= w) & (slope >= 0.0) { MISS } else { s }
+}
+
+/// Case 3: where the search goes from s, and whether it has further to go. A search that has ended stays at
+/// s: one right of w, or at `MISS`, fails `s <= w`, and one left of -w is left of `next`, too.
+fn step_left(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
+    let (next, _) = newton(quartic, s);
+    // s3 is right of -w. Only rounding can make a step seem to lead past -w.
+    let next = if next > -w { next } else { -w };
+    let is_left = (s <= w) & (next < s);
+    (if is_left { next } else { s }, is_left & (s - next > LAST_STEP))
+}
+
+/// Where Newton's method steps from s, and the slope of G at s.
+fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
+    let u = s * s + p;
+    let slope = 4.0 * u * s + q;
+    (s - (u * u + (q * s + r)) / slope, slope)
+}
 
 // ---- Options -------------------------------------------------------------------------------------
 
@@ -122,8 +596,8 @@ struct Options {
     frames: Option<u64>,
     /// Rotation per frame, in radians
     ///
-    /// DA is about the x axis, which points right. DB is about the z axis,
-    /// which points away from you. Both are from -1000000000 to 1000000000.
+    /// Each frame adds DA to the angle A, and DB to the angle B.
+    /// Both are from -1000000000 to 1000000000.
     #[arg(long, help_heading = "Motion", value_name = "DA,DB", verbatim_doc_comment)]
     #[arg(default_value = "0.04,0.02", value_parser = parse_angles)]
     spin: [f64; 2],
@@ -136,8 +610,10 @@ struct Options {
     #[arg(default_value = "0", value_parser = within(ANGLES))]
     b: f64,
     /// How to draw
-    #[arg(long, help_heading = "Look", value_enum, default_value_t, hide_default_value = true)]
-    method: Method,
+    ///
+    /// By default, classic draws donut.c's own picture and exact every other.
+    #[arg(long, help_heading = "Look", value_enum)]
+    method: Option<Method>,
     /// Colour: a name, 0 to 255, or '#rrggbb'
     ///
     /// The # may be left out. The names are black, dark_grey, grey, white,
@@ -193,17 +669,6 @@ Examples:
   donut --fps 60 --spin 0.02,0.01   # smoother, at the same speed
   donut -A 1 -B 1 --color cyan";
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, ValueEnum)]
-enum Method {
-    /// Default: classic for donut.c's own picture, else exact
-    #[default]
-    Auto,
-    /// As donut.c does: plot many points, and let the nearest win
-    Classic,
-    /// Follow a ray through the middle of each character
-    Exact,
-}
-
 const SIZES: RangeInclusive<u16> = 1..=4096;
 const ANGLES: RangeInclusive<f64> = -1e9..=1e9;
 const LENGTHS: RangeInclusive<f64> = 1e-6..=1e6;
@@ -214,19 +679,18 @@ fn within<T: FromStr + PartialOrd + Display + Clone>(
 ) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let number = text.parse().ok().filter(|number| range.contains(number));
-        // Types of whole numbers cannot parse 0.5.
-        let kind = if "0.5".parse::<T>().is_ok() { "number" } else { "whole number" };
+        let is_integer = "0.5".parse::<T>().is_err(); // An integer type cannot parse a fraction.
+        let kind = if is_integer { "whole number" } else { "number" };
         let (least, most) = (range.start(), range.end());
         number.ok_or_else(|| format!("expected a {kind} from {least} to {most}"))
     }
 }
 
 fn parse_angles(text: &str) -> Result<[f64; 2], String> {
-    let angle = within(ANGLES);
-    match text.split_once(',') {
-        Some((a, b)) => Ok([angle(a.trim())?, angle(b.trim())?]),
-        None => Err("expected two angles with a comma between them, such as 0.04,0.02".into()),
-    }
+    let parse_angle = within(ANGLES);
+    let expected = "expected two angles with a comma between them, such as 0.04,0.02";
+    let (a, b) = text.split_once(',').ok_or(expected)?;
+    Ok([parse_angle(a.trim())?, parse_angle(b.trim())?])
 }
 
 fn parse_color(text: &str) -> Result<Color, String> {
@@ -245,12 +709,12 @@ fn parse_color(text: &str) -> Result<Color, String> {
 
 /// The range of R2 / R1. Beyond it, the hole or the tube is too small to see in most pictures.
 const RING_RATIOS: RangeInclusive<f64> = 1.01..=30.0;
-/// The least K2 / (R1 + R2). At this distance, a donut that is seen edge-on already fills 175 degrees of
-/// the view.
+/// The least K2 / (R1 + R2). At this distance, a donut seen edge-on already fills 175 degrees of the view.
 const LEAST_DISTANCE_RATIO: f64 = 1.001;
 
-/// Undoes the rounding of a product or quotient of two lengths: in f64, 0.35 / 0.07 is slightly less than
-/// 5. If a number with at most six decimals is only a rounding error away, that number was meant.
+/// Undoes the rounding of a ratio of two lengths, or of a ratio times a length: in f64, 0.35 / 0.07 is
+/// slightly less than 5. If a number with at most six decimals is only a rounding error away, that number was
+/// meant. Without this, exact comparisons with donut.c's proportions and with the limits above would fail.
 fn snap_to_decimal(result: f64) -> f64 {
     let decimal = (1e6 * result).round() / 1e6;
     if (result - decimal).abs() < 1e-15 * result { decimal } else { result }
@@ -273,7 +737,7 @@ impl Options {
             let from = snap_to_decimal(LEAST_DISTANCE_RATIO * (r1 + r2));
             let rule = format!("{LEAST_DISTANCE_RATIO} times the sum of --r1 and --r2");
             Some(format!("--k2 is {k2}, but must be at least {from}: {rule}"))
-        } else if self.method == Method::Classic && self.proportions() != (2.0, 5.0) {
+        } else if self.method == Some(Method::Classic) && self.proportions() != (2.0, 5.0) {
             // With other proportions, the steps of `classic` could leave gaps: see `angle_steps`.
             let rule = "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5";
             Some(format!("{rule}, but these are {r1}, {r2} and {k2}"))
@@ -282,10 +746,10 @@ impl Options {
         }
     }
 
-    /// The view for the size that the options ask for. `terminal` is the terminal's columns and rows,
-    /// which limit the size, or `None` where standard output is no terminal.
-    fn view(&self, terminal: Option<(u16, u16)>) -> View {
-        let (width, height) = match terminal {
+    /// The view of a picture of the size that the options ask for. `terminal_size` is the terminal's columns
+    /// and rows, which limit that size, or `None` where standard output is not a terminal.
+    fn view(&self, terminal_size: Option<(u16, u16)>) -> View {
+        let (width, height) = match terminal_size {
             None => (self.width.unwrap_or(80), self.height.unwrap_or(22)),
             Some((columns, rows)) => {
                 // One row stays free above the picture, and one below it.
@@ -296,7 +760,43 @@ impl Options {
         let (r2, k2) = self.proportions();
         View::new(width.into(), height.into(), self.aspect, r2, k2)
     }
+
+    /// The method that draws the frame with these angles: the one that --method chooses, or else `Classic`
+    /// for donut.c's own picture, as long as floats are fine enough for it, and `Exact` for any other.
+    ///
+    /// Floats are fine enough if the gap between an angle and the next float is at most a quarter of the
+    /// angle's spin. (If the spin is 0, the gap may be 0.0002, which changes about one cell.) With donut.c's
+    /// own start and spin, `Exact` takes over at frame 3,345,245, where A passes 2^17. From there on, floats
+    /// are 1/64 apart, and adding 0.04 really adds 3/64.
+    fn method_for(&self, view: &View, angles: [f64; 2]) -> Method {
+        let floats_are_fine = (0..2).all(|i| {
+            let float = angles[i].abs() as f32;
+            let gap = f32::from_bits(float.to_bits() + 1) - float;
+            let spin = self.spin[i].abs();
+            let largest_gap = if spin == 0.0 { 2e-4 } else { spin / 4.0 };
+            f64::from(gap) <= largest_gap
+        });
+        let is_classic = *view == View::DONUT_C && floats_are_fine;
+        self.method.unwrap_or(if is_classic { Method::Classic } else { Method::Exact })
+    }
 }
+
+// ---- main and the loop ---------------------------------------------------------------------------
+
+// Before the program draws on a terminal, it *enters* the terminal: it hides the cursor, switches to the
+// alternate screen (a second screen for programs that fill it), and sets cbreak mode, in which each key is
+// sent at once and without echo. To *leave* the terminal is to undo all this.
+//
+// A shell runs each command as a job, and lends the terminal to one job at a time. This job is in the
+// *foreground*; Ctrl-Z suspends it, and the shell's `fg` resumes it. A job that was started with `&`, or
+// resumed with `bg`, is in the *background*: there, the system stops it if it reads keys or changes the
+// terminal's settings.
+
+/// The longest that the loop sleeps. So it notices a signal, a key or a new size after this time at most.
+const TICK: Duration = Duration::from_millis(50);
+
+const ESCAPE: u8 = 0x1b;
+const CTRL_Z: u8 = 0x1a;
 
 fn main() -> ExitCode {
     let options = Options::parse();
@@ -304,586 +804,115 @@ fn main() -> ExitCode {
         Options::command().error(ErrorKind::ValueValidation, conflict).exit()
     }
     match run(&options) {
+        Ok(()) => ExitCode::SUCCESS,
         // A reader that goes away, as in `donut | head`, has seen enough.
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
             let _ = writeln!(io::stderr(), "donut: {error}");
             ExitCode::FAILURE
         }
-        _ => ExitCode::SUCCESS,
     }
 }
 
-// ---- The loop ------------------------------------------------------------------------------------
-
-/// Spins the donut until the last frame is drawn, somebody ends it, or its reader goes away.
+/// Spins the donut until the last frame is drawn, a key or a signal ends it, or its reader goes away.
 fn run(options: &Options) -> io::Result<()> {
     let console = Console::open(options)?;
     let played = play(options, console);
     let restored = console.leave();
-    console.end_by_signal();
+    console.end_if_signalled();
     played.and(restored)
 }
 
-/// donut.c's `for (;;)`. In a pipe, there is nothing to do but to draw each frame when it is due. On a
-/// terminal, the loop also looks for signals, keys and a new size, about every 50 ms. So in some of its
-/// rounds no frame is due, for example while the donut is paused.
+/// donut.c's `for (;;)`. Each iteration draws the next frame if it is due. On a terminal, it first takes care
+/// of signals, keys and a new size. That happens at least every TICK, so while the donut is paused, or at a
+/// low frame rate, there are iterations in which no frame is due.
 fn play(options: &Options, console: &Console) -> io::Result<()> {
-    let interval = match options.fps {
-        0.0 => Duration::ZERO,
-        // A Duration cannot hold 1 / fps seconds if fps is tiny. 1e9 seconds, nearly 32 years, will do.
-        fps => Duration::from_secs_f64((1.0 / fps).min(1e9)),
-    };
-    let most_frames = options.frames.unwrap_or(u64::MAX);
-    let (mut frame_count, mut due, mut is_paused) = (0, Instant::now(), false);
-    let mut angles = [options.a, options.b];
-    let mut size = console.size()?;
-    let mut renderer = Renderer::new(options.view(size), options.method, RAMP);
-    'rounds: while frame_count < most_frames {
+    let &Options { fps, frames, spin, a, b, .. } = options;
+    // A Duration cannot hold 1 / fps seconds if fps is tiny. 1e9 seconds, nearly 32 years, will do.
+    let interval = Duration::from_secs_f64(if fps == 0.0 { 0.0 } else { (1.0 / fps).min(1e9) });
+    let mut due = Instant::now();
+    let mut frame_count = 0;
+    let mut angles = [a, b];
+    let mut is_paused = false;
+    let mut is_shaded = true;
+    let mut terminal_size = console.size()?;
+    let view = options.view(terminal_size);
+    let mut renderer = Renderer::new(view, options.method_for(&view, angles));
+    'main_loop: while frames.is_none_or(|frames| frame_count < frames) {
         let until_due = due.saturating_duration_since(Instant::now());
-        thread::sleep(if is_paused { PATIENCE } else { until_due.min(PATIENCE) });
-        if console.end_signal.load(SeqCst) != 0 {
+        thread::sleep(if is_paused { TICK } else { until_due.min(TICK) });
+        console.wait_for_foreground()?;
+        if console.is_ending() {
             break;
         }
-        let is_in_foreground = console.is_in_foreground();
-        // In the background, the program leaves the terminal and waits. If it was stopped, it leaves the
-        // terminal to enter it anew, because another program may have changed the screen or the settings.
-        if console.was_continued.swap(false, SeqCst) || !is_in_foreground {
+        // While the program was stopped, another one may have changed the screen and the settings. So leave
+        // the terminal, and let `enter` set everything up anew.
+        if console.was_continued.swap(false, SeqCst) {
             console.leave()?;
         }
-        if !is_in_foreground {
-            thread::sleep(PATIENCE);
-            continue;
-        }
-        // After `enter` has entered the terminal, the screen has to be cleared. In a pipe there is nothing to
-        // enter, but `enter` returns true in the first round: donut.c also begins by clearing the screen.
         let mut clear = console.enter()?;
         let new_size = console.size()?;
-        if new_size != size {
-            (size, clear) = (new_size, true);
-            renderer = Renderer::new(options.view(size), renderer.method, renderer.ramp);
+        if new_size != terminal_size {
+            (terminal_size, clear) = (new_size, true);
+            renderer = Renderer::new(options.view(terminal_size), renderer.method);
         }
+
         let mut redraw = clear;
         for key in console.keys() {
             match key {
                 b'q' | ESCAPE => return Ok(()),
                 b'p' => is_paused = !is_paused,
                 b' ' => {
-                    renderer.ramp = if renderer.ramp == RAMP { FLAT } else { RAMP };
+                    is_shaded = !is_shaded;
                     redraw = true;
                 }
                 CTRL_Z => {
                     console.leave()?;
-                    system::stop_job();
-                    continue 'rounds;
+                    system::suspend_job();
+                    continue 'main_loop; // Later keys are dropped.
                 }
                 _ => {}
             }
         }
+
         let is_due = !is_paused && due <= Instant::now();
         if is_due {
-            // The first frame shows the starting angles.
+            // The first frame shows the starting angles. Every later frame adds to the angles of the one
+            // before, in the arithmetic of the method that drew that one.
             if frame_count > 0 {
-                angles = next_angles(renderer.method, angles, options.spin);
+                angles = next_angles(renderer.method, angles, spin);
             }
             frame_count += 1;
-            // Each frame is due one interval after the one before was due, so that delays do not add up.
-            // But after a stall, the missed frames do not come in a burst.
+            // Each frame is due one interval after the one before was due, so that delays do not add up. But
+            // after a stall, the missed frames do not come in a burst.
             due = (due + interval).max(Instant::now());
         }
         if is_due || redraw {
-            renderer.method = method_now(options.method, &renderer.view, angles, options.spin);
+            renderer.method = options.method_for(&renderer.view, angles);
             renderer.render_frame(angles[0], angles[1]);
+            if !is_shaded {
+                renderer.flatten();
+            }
             console.show(&renderer, clear)?;
         }
     }
     Ok(())
 }
 
-/// The method, `Classic` or `Exact`, that draws the frame with these angles.
-///
-/// `Auto` draws donut.c's own picture with `Classic`, as long as floats are fine enough for it: the gap
-/// between an angle and the next float must be at most a quarter of the angle's spin. (If the spin is 0,
-/// a gap of 0.0002 is too small to show.) With donut.c's own start and spin, this ends at frame
-/// 3,345,245. There A passes 2^17, where the gap is 1/64, more than 0.04 / 4, and adding 0.04 adds 3/64.
-fn method_now(option: Method, view: &View, angles: [f64; 2], spin: [f64; 2]) -> Method {
-    let floats_are_fine = (0..2).all(|i| {
-        let float = angles[i].abs() as f32;
-        let gap = f32::from_bits(float.to_bits() + 1) - float;
-        let largest_gap = if spin[i] == 0.0 { 2e-4 } else { spin[i].abs() / 4.0 };
-        f64::from(gap) <= largest_gap
-    });
-    match option {
-        Method::Auto if *view == View::DONUT_C && floats_are_fine => Method::Classic,
-        Method::Auto => Method::Exact,
-        method => method,
-    }
-}
-
-/// The angles A and B of the next frame. donut.c keeps its angles in variables of type `float`, so each
-/// of its sums is rounded, and the errors add up. `Classic` has to make the very same errors.
+/// The angles A and B of the next frame. donut.c keeps its angles in variables of type `float`, so each of
+/// its sums is rounded, and the errors add up. `Classic` has to make the very same errors.
 fn next_angles(method: Method, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| match method {
         Method::Classic => add_step(angles[i] as f32, spin[i]).into(),
-        _ => angles[i] + spin[i],
+        Method::Exact => angles[i] + spin[i],
     })
-}
-
-// ---- View ----------------------------------------------------------------------------------------
-
-/// The donut's proportions, the size of the picture, and how the donut is projected onto the picture.
-///
-/// The proportions are in units of the tube's radius, so that R1 is 1. Places on the screen are measured
-/// in cells: cell (c, r), in column c and row r, reaches from c to c + 1 across and from r to r + 1
-/// down. The point (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)`, `y = cy + k1y Y / (Z + K2)`.
-///
-/// Nothing is drawn in column 0 or in row 0. In place of column 0, donut.c prints a newline, and its
-/// test `y > 0` leaves out row 0.
-#[derive(Clone, Copy, PartialEq)]
-struct View {
-    r2: f64,
-    k2: f64,
-    /// Columns and rows of the picture.
-    width: usize,
-    height: usize,
-    /// Where the centre of the donut appears.
-    cx: f64,
-    cy: f64,
-    /// The scale K1, in columns and in rows.
-    k1x: f64,
-    k1y: f64,
-}
-
-impl View {
-    const DONUT_C: View =
-        View { r2: 2.0, k2: 5.0, width: 80, height: 22, cx: 40.0, cy: 12.0, k1x: 30.0, k1y: 15.0 };
-
-    /// donut.c's own view if everything is as in donut.c. Otherwise, the donut is in the middle of the
-    /// picture, and as large as it can be without being cut off at any angle. `aspect` is the height of
-    /// a cell divided by its width.
-    fn new(width: usize, height: usize, aspect: f64, r2: f64, k2: f64) -> View {
-        if (width, height, aspect, r2, k2) == (80, 22, 2.0, 2.0, 5.0) {
-            return View::DONUT_C;
-        }
-        let (w, h) = (width as f64, height as f64);
-        let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / apparent_radius(r2, k2);
-        // Column 0 and row 0 stay empty, so the middle of the other cells is half a cell further right,
-        // and half a cell further down.
-        let (cx, cy) = ((w + 1.0) / 2.0, (h + 1.0) / 2.0);
-        View { r2, k2, width, height, cx, cy, k1x, k1y: k1x / aspect }
-    }
-}
-
-/// How large the donut can look. However it is turned, it just fits into a sphere of radius R1 + R2, which
-/// looks like a circle. This is the circle's radius on a screen at the distance 1.
-fn apparent_radius(r2: f64, k2: f64) -> f64 {
-    let radius = 1.0 + r2;
-    radius / (k2 * k2 - radius * radius).sqrt()
-}
-
-// ---- Rendering -----------------------------------------------------------------------------------
-
-/// The characters that show the luminance, from dark to bright.
-const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
-/// What takes the place of the ramp while the shading is off.
-const FLAT: &[u8; 12] = &[b'.'; 12];
-
-/// The character of a luminance L: the whole part of 8 L is its place in the ramp.
-fn glyph(ramp: &[u8; 12], luminance: f64) -> u8 {
-    // Where the surface faces away from the light, L is negative, and `as u8` makes it 0.
-    ramp[usize::from((8.0 * luminance) as u8).min(11)]
-}
-
-struct Renderer {
-    view: View,
-    /// `Classic` or `Exact`, once a frame is drawn.
-    method: Method,
-    ramp: &'static [u8; 12],
-    /// The character in each cell: `width * height` bytes, row by row, blank where there is no donut.
-    framebuffer: Vec<u8>,
-    /// For `classic`: 1/z of the nearest sample so far, in each cell. It has two rows more than the
-    /// framebuffer, because in donut.c's own view some samples fall below the picture, by up to two
-    /// rows.
-    zbuffer: Vec<f32>,
-    /// For `classic`: the tables of theta and of phi. They can be long, so they are made when they are
-    /// first needed.
-    tables: Option<[TrigTable; 2]>,
-}
-
-impl Renderer {
-    fn new(view: View, method: Method, ramp: &'static [u8; 12]) -> Renderer {
-        let View { width, height, .. } = view;
-        let (framebuffer, zbuffer) = (vec![b' '; width * height], vec![0.0; width * (height + 2)]);
-        Renderer { view, method, ramp, framebuffer, zbuffer, tables: None }
-    }
-
-    /// Draws the donut, turned by the angles A and B, into the framebuffer.
-    fn render_frame(&mut self, a: f64, b: f64) {
-        self.framebuffer.fill(b' ');
-        if self.method == Method::Classic {
-            self.plot_samples(a as f32, b as f32);
-        } else {
-            self.trace(a, b, Torus::first_hits);
-        }
-    }
-
-    /// `classic`: donut.c's double loop over theta and phi.
-    ///
-    /// All arithmetic is in f32 and in donut.c's order of operations, because another order would round
-    /// to other characters. donut.c has names of one letter: `sin_phi` is its c, `cos_theta` d, `sin_a`
-    /// e, `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `cell` o.
-    fn plot_samples(&mut self, a: f32, b: f32) {
-        self.reset_zbuffer();
-        let View { width, r2, k2, cx, cy, k1x, k1y, .. } = self.view;
-        let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
-        let ((sin_a, cos_a), (sin_b, cos_b)) = (sin_cos(a), sin_cos(b));
-        let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] =
-            self.tables.get_or_insert_with(|| angle_steps(&self.view).map(trig_table));
-        // donut.c's loop over phi is three loops here. The compiler vectorises the first two, which it
-        // would not do with a single one. The slices tell it that the tables are equally long, so
-        // that these loops need no bounds checks.
-        let count = sin_phis.len();
-        let (sin_phis, cos_phis) = (&sin_phis[..count], &cos_phis[..count]);
-        let (mut ooz, mut x, mut y) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
-        let mut cells = vec![0; count];
-        for (&sin_theta, &cos_theta) in sin_thetas.iter().zip(cos_thetas.iter()) {
-            let h = cos_theta + r2;
-            for i in 0..count {
-                let (sin_phi, cos_phi) = (sin_phis[i], cos_phis[i]);
-                ooz[i] = 1.0 / (sin_phi * h * sin_a + sin_theta * cos_a + k2);
-                let t = sin_phi * h * cos_a - sin_theta * sin_a;
-                x[i] = cx + k1x * ooz[i] * (cos_phi * h * cos_b - t * sin_b);
-                y[i] = cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b);
-            }
-            // donut.c skips the samples that are not in the picture. Here the z-buffer keeps them from
-            // showing: see `reset_zbuffer`. (A sample on the right edge of the picture, where x is
-            // `width`, is taken for one in column 0 of the next row.)
-            for i in 0..count {
-                cells[i] = floor(x[i]) + width as u32 * floor(y[i]);
-            }
-            for i in 0..count {
-                let (cell, sin_phi, cos_phi) = (cells[i] as usize, sin_phis[i], cos_phis[i]);
-                if self.zbuffer[cell] < ooz[i] {
-                    self.zbuffer[cell] = ooz[i];
-                    let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
-                        - sin_phi * cos_theta * sin_a
-                        - sin_theta * cos_a
-                        - cos_phi * cos_theta * sin_b;
-                    self.framebuffer[cell] = glyph(self.ramp, luminance.into());
-                }
-            }
-        }
-    }
-
-    /// Prepares the z-buffer for a frame. It holds 1/z. 0 means infinitely far, so any sample is nearer.
-    /// Infinity means z = 0, at the viewer's eye, so no sample is nearer: row 0, column 0 and the rows
-    /// below the picture stay blank.
-    fn reset_zbuffer(&mut self) {
-        let View { width, height, .. } = self.view;
-        self.zbuffer.fill(f32::INFINITY);
-        for row in 1..height {
-            self.zbuffer[row * width + 1..(row + 1) * width].fill(0.0);
-        }
-    }
-
-    /// `exact`: a cell shows what the ray through its centre hits first. `first_hits` finds these hits for
-    /// N rays at a time. (The tests pass other methods, to compare them.)
-    fn trace<const N: usize>(
-        &mut self,
-        a: f64,
-        b: f64,
-        first_hits: impl Fn(&Torus, &[Ray; N]) -> [f64; N],
-    ) {
-        let View { r2, k2, width, cx, cy, k1x, k1y, .. } = self.view;
-        let (torus, radius) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
-        for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
-            let dy = (row as f64 + 0.5 - cy) / k1y;
-            // The donut stays in a sphere, which appears as a circle. Only the cells of a row that are
-            // in the circle can show the donut.
-            let half_width = (radius * radius - dy * dy).max(0.0).sqrt() * k1x;
-            let end = width.min((cx + half_width) as usize + 1);
-            for column in ((cx - half_width) as usize..end).step_by(N) {
-                let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
-                let rays = std::array::from_fn(|i| torus.ray(dx(i), dy, k2));
-                let hits = first_hits(&torus, &rays);
-                let lights: [f64; N] = std::array::from_fn(|i| torus.luminance(&rays[i], hits[i]));
-                for (i, cell) in cells[column..end].iter_mut().take(N).enumerate() {
-                    if hits[i] < MISS {
-                        *cell = glyph(self.ramp, lights[i] + TIE_BIAS);
-                    }
-                }
-            }
-        }
-    }
-}
-
-// ---- classic: donut.c's arithmetic ---------------------------------------------------------------
-
-/// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
-///
-/// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart. In a larger
-/// picture the same steps would leave gaps. So if the larger of k1x and k1y is n times donut.c's k1x, the
-/// steps are an n-th of donut.c's.
-fn angle_steps(view: &View) -> [f64; 2] {
-    let shrink = f64::min(1.0, View::DONUT_C.k1x / view.k1x.max(view.k1y));
-    [0.07 * shrink, 0.02 * shrink]
-}
-
-/// The sines and the cosines of the angles that one of donut.c's loops runs through.
-type TrigTable = (Vec<f32>, Vec<f32>);
-
-/// The table for the angles 0, `step`, and so on, once round.
-fn trig_table(step: f64) -> TrigTable {
-    let angles = std::iter::successors(Some(0.0), |&angle| Some(add_step(angle, step)));
-    // donut.c stops at 6.28. With its own steps, TAU gives the same angles. Shorter steps would leave a
-    // gap between 6.28 and TAU.
-    angles.take_while(|&angle| f64::from(angle) < TAU).map(sin_cos).unzip()
-}
-
-/// donut.c's `angle += step`: C adds in `double` and rounds the sum to `float`.
-fn add_step(angle: f32, step: f64) -> f32 {
-    (f64::from(angle) + step) as f32
-}
-
-/// The sine and the cosine of an angle: C computes them in `double`, and rounds them to `float`.
-fn sin_cos(angle: f32) -> (f32, f32) {
-    let (sin, cos) = f64::from(angle).sin_cos();
-    (sin as f32, cos as f32)
-}
-
-/// The whole part of a value from 0 to 2^23.
-///
-/// This is `value as u32`, but in plain arithmetic, which the compiler vectorises even if the processor
-/// has no vector instruction for the cast. From 2^23 to 2^24 floats are 1 apart. So adding 2^23 rounds
-/// the value to a whole number, and leaves this number in the low bits of the sum. If it was rounded up,
-/// it is one too large.
-fn floor(value: f32) -> u32 {
-    const TWO_TO_23: f32 = 8_388_608.0;
-    let rounded = value + TWO_TO_23;
-    let is_up = rounded - TWO_TO_23 > value;
-    rounded.to_bits() - TWO_TO_23.to_bits() - u32::from(is_up)
-}
-
-// ---- exact: rays and a torus ---------------------------------------------------------------------
-
-/// How many rays are followed side by side. The compiler turns a loop over them into vector
-/// instructions, and while one ray waits for a division, others go on.
-const LANES: usize = 8;
-/// One number for each of these rays.
-type Lanes = [f64; LANES];
-/// The s of a ray that misses (see `Torus`).
-const MISS: f64 = f64::INFINITY;
-/// A search for a hit ends with a step no longer than this, in units of R1. After so short a step of
-/// Newton's method, hardly more than rounding errors are left. Only where a ray grazes the donut may the
-/// search end further from the true hit. But there the ray runs along the surface, so this does not show.
-const LAST_STEP: f64 = 1e-8;
-/// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly a
-/// whole number, and rounding would choose between two glyphs. With this added, the brighter one is drawn
-/// on every machine.
-const TIE_BIAS: f64 = 1e-12;
-
-/// The donut of one frame.
-///
-/// A ray is P = P0 + s U. U is its direction, of length 1. P0 is its point nearest to the donut's
-/// centre, which is the origin, so P0 and U are at right angles. The number s says where on the ray P
-/// is: s is 0 at P0, and negative on the viewer's side of it. Three numbers matter about a point P:
-/// ```text
-/// |P|^2 = d0 + s^2      the square of its distance from the centre
-/// f     = f0 + fu s     how far it is from the plane of the ring: negative on one side of it
-/// l     = l0 + lu s     its dot product with (0, -1, -1), the vector to the light
-/// ```
-///
-/// Let h be the distance of P from the axis. P is on the surface if it is R1 = 1 away from the ring:
-/// ```text
-/// (h - R2)^2 + f^2 = 1
-/// |P|^2 + R2^2 - 1 = 2 R2 h                        because |P|^2 = h^2 + f^2
-/// (|P|^2 + R2^2 - 1)^2 = 4 R2^2 (|P|^2 - f^2)      squared
-/// G(s) = (s^2 + p)^2 + q s + r = 0                 left minus right, along the ray
-/// ```
-///
-/// G is positive outside the donut, and negative inside. Because s is measured from P0, there is no
-/// cubic term, and the coefficients stay small however far away the viewer is.
-struct Torus {
-    r2: f64,
-    /// The axis of revolution, of length 1, after the turns by A and B.
-    axis: [f64; 3],
-}
-
-/// A ray, as the numbers that `Torus` explains.
-#[derive(Clone, Copy, Debug)]
-struct Ray {
-    d0: f64,
-    f0: f64,
-    fu: f64,
-    l0: f64,
-    lu: f64,
-}
-
-impl Torus {
-    fn new(r2: f64, a: f64, b: f64) -> Torus {
-        let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
-        Torus { r2, axis: [sin_a * sin_b, -sin_a * cos_b, cos_a] }
-    }
-
-    /// The ray from the viewer at (0, 0, -K2) in the direction (dx, dy, 1).
-    fn ray(&self, dx: f64, dy: f64, k2: f64) -> Ray {
-        let [x, y, z] = self.axis;
-        // Let alpha be the angle between the ray and the z axis. Then U is (dx, dy, 1) times cos alpha.
-        // P0 is (dx, dy, -tan^2 alpha) times `depth`, its distance from the viewer along the z axis.
-        let tan_squared = dx * dx + dy * dy;
-        let cos = 1.0 / (1.0 + tan_squared).sqrt();
-        let depth = k2 * cos * cos;
-        Ray {
-            d0: k2 * depth * tan_squared,
-            f0: depth * (dx * x + dy * y - tan_squared * z),
-            fu: cos * (dx * x + dy * y + z),
-            l0: depth * (tan_squared - dy),
-            lu: -cos * (dy + 1.0),
-        }
-    }
-
-    /// The coefficients p, q and r of the ray's G. They come from the squared equation, with |P|^2 and f
-    /// written out: p from the terms with s^2, q from those with s, and r is the rest, less p^2.
-    fn quartic(&self, &Ray { d0, f0, fu, .. }: &Ray) -> [f64; 3] {
-        let r2_r2 = self.r2 * self.r2;
-        // The square of the sine of the angle between the ray and the axis. Where the ray looks through a
-        // nearly closed hole, fu is nearly 1 or -1, and p and r are small differences of larger terms.
-        // Computing 1 - fu^2 first keeps more of their digits than multiplying it out.
-        let sine_squared = 1.0 - fu * fu;
-        let p = d0 + r2_r2 - 1.0 - 2.0 * r2_r2 * sine_squared;
-        let q = 8.0 * r2_r2 * f0 * fu;
-        let r = 4.0 * r2_r2 * (f0 * f0 - d0 * fu * fu - sine_squared * (1.0 - r2_r2 * fu * fu));
-        [p, q, r]
-    }
-
-    /// The s where the ray enters the space that the donut stays in: a sphere of radius R1 + R2,
-    /// between two planes, f = -1 and f = 1. No hit comes before it.
-    fn entry(&self, &Ray { d0, f0, fu, .. }: &Ray) -> f64 {
-        let radius = 1.0 + self.r2;
-        let sphere = -(radius * radius - d0).max(0.0).sqrt();
-        // If fu is 0, this is at infinity, or NaN, which `max` ignores.
-        let planes = -(1.0 + f0 * fu.signum()) / fu.abs();
-        sphere.max(planes)
-    }
-
-    /// The s of each ray's first hit. G is positive at the viewer, who is outside the donut, so the first
-    /// hit is where G first falls to 0. G can have two valleys, and it falls to 0 in the first one that is
-    /// deep enough: at s1 in the drawing, or at s3. If no valley is deep enough, the ray misses.
-    /// ```text
-    ///  G  \           .---.           /
-    ///      \        .'     '.        /
-    ///  -----s1----s2---------s3----s4---> s
-    ///        '.  .'           '.  .'
-    ///          ''  -w        w  ''
-    /// ```
-    ///
-    /// -w and w are the inflections of G, where its second derivative, 12 s^2 + 4 p, is 0. They need not
-    /// be at s2 and s3. Between them G bends down, and to the left and to the right of them it bends up.
-    /// If there are no inflections, G bends up everywhere, and w is 0. The bottom of a valley is where G
-    /// bends up. So the bottom of the left valley is left of -w, and s1 is further left still.
-    ///
-    /// Without inflections there is only one valley. Its first root is s1 if it is left of 0, and otherwise
-    /// s3.
-    ///
-    /// Each ray has a search, which walks along the ray by Newton's method: it steps from s to where the
-    /// tangent of G at s is 0. Where G bends up, it lies above its tangents, so a step that starts where G
-    /// is positive never passes a root. Where G bends down, the same holds for a step that starts where G
-    /// is negative.
-    ///
-    /// 1. If the ray's entry is left of -w, the search starts at the entry and moves right, towards s1. If
-    ///    there is no s1, it comes to a dead end: a place where G rises, or a step that leads to -w or past
-    ///    it. The search then starts again, at w. If the entry is further right, there is no s1, and the
-    ///    search starts at w.
-    /// 2. If G is positive at w, there is no root before w: without an s1, G is positive at -w as well, and a
-    ///    curve that bends down stays above 0 between two such ends. The search moves right, towards s3. If
-    ///    there is no s3, it comes to where G rises, and stays there: the ray misses.
-    /// 3. If G is negative at w, s3 is between -w and w, and the search moves left, towards s3.
-    ///
-    /// In each of the three cases a search moves in one direction, and a step that would lead the other way
-    /// is not taken. So rounding cannot make it go to and fro for ever.
-    fn first_hits(&self, rays: &[Ray; LANES]) -> Lanes {
-        let [mut p, mut q, mut r, mut w, mut s] = [[0.0; LANES]; 5];
-        for (i, ray) in rays.iter().enumerate() {
-            [p[i], q[i], r[i]] = self.quartic(ray);
-            w[i] = (p[i] / -3.0).max(0.0).sqrt();
-            let entry = self.entry(ray);
-            s[i] = if entry < -w[i] { entry } else { w[i] };
-        }
-        // Cases 1 and 2. The compiler vectorises this loop, because `|`, `&` and an `if` that only
-        // chooses between two values need no branches.
-        let mut moving_right = true;
-        while moving_right {
-            moving_right = false;
-            for i in 0..LANES {
-                let (next, slope) = newton([p[i], q[i], r[i]], s[i]);
-                let dead_end = (s[i] < -w[i]) & ((slope >= 0.0) | (next >= -w[i]));
-                moving_right |= dead_end | (next - s[i] > LAST_STEP);
-                let next = if next > s[i] { next } else { s[i] };
-                s[i] = if dead_end { w[i] } else { next };
-            }
-        }
-        // Now each search that is not at s1 is at w or to the right of it. If G rises there, the ray misses:
-        // G is positive and goes on rising. (If G is negative at w, it falls all the way from s3 to w.) If G
-        // falls and the search is still at w, G is negative: from a positive G, a step would have led to the
-        // right. That is case 3.
-        let mut moving_left = false;
-        for i in 0..LANES {
-            let (_, slope) = newton([p[i], q[i], r[i]], s[i]);
-            let misses = (s[i] >= w[i]) & (slope >= 0.0);
-            s[i] = if misses { MISS } else { s[i] };
-            moving_left |= s[i] == w[i];
-        }
-        while moving_left {
-            moving_left = false;
-            for i in 0..LANES {
-                let (next, _) = newton([p[i], q[i], r[i]], s[i]);
-                // s3 is right of -w. Only rounding can make a step seem to lead past -w.
-                let next = if next > -w[i] { next } else { -w[i] };
-                // All other searches stay. Those right of w, or at MISS, fail `s <= w`. Those left of -w
-                // are left of `next`, too.
-                let goes_left = (s[i] <= w[i]) & (next < s[i]);
-                moving_left |= goes_left & (s[i] - next > LAST_STEP);
-                s[i] = if goes_left { next } else { s[i] };
-            }
-        }
-        s
-    }
-
-    /// The luminance where the ray hits: the dot product of the normal and the vector to the light.
-    /// With the axis n, the normal at P is `(P - f n) (1 - R2 / h) + f n`. On the surface h is
-    /// `(|P|^2 + R2^2 - 1) / (2 R2)`, which takes no square root.
-    fn luminance(&self, ray: &Ray, s: f64) -> f64 {
-        let (r2_r2, n_dot_light) = (self.r2 * self.r2, -(self.axis[1] + self.axis[2]));
-        let f = ray.f0 + ray.fu * s;
-        let p_dot_light = ray.l0 + ray.lu * s;
-        let radial = 1.0 - 2.0 * r2_r2 / (ray.d0 + s * s + r2_r2 - 1.0);
-        (p_dot_light - f * n_dot_light) * radial + f * n_dot_light
-    }
-}
-
-/// Where Newton's method steps from s, and the slope of G at s.
-fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
-    let u = s * s + p;
-    let slope = 4.0 * u * s + q;
-    (s - (u * u + (q * s + r)) / slope, slope)
 }
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-/// How long the loop sleeps at most before it looks around, how long it waits for the rest of a key's code,
-/// and how long a write may last before a signal cuts it short.
-const PATIENCE: Duration = Duration::from_millis(50);
-
-const ESCAPE: u8 = 0x1b;
-const CTRL_Z: u8 = 0x1a;
-
-/// Standard output, and what the program has to remember to leave a terminal as it was.
-///
-/// Before the program draws on a terminal, it *enters* the terminal: it hides the cursor, has each key
-/// sent at once and not echoed, and switches to the alternate screen, a second screen for programs that
-/// fill it. To *leave* the terminal is to undo all this.
+/// Standard output, and what must be remembered in order to leave a terminal as it was.
 struct Console {
-    /// The terminal of standard output, opened once more, or standard output itself if it is a pipe or a
-    /// file.
+    /// The terminal of standard output, opened once more; or standard output itself, a pipe or a file.
     file: File,
     is_terminal: bool,
     /// With --frames there is no alternate screen, because the last frame has to stay.
@@ -893,13 +922,12 @@ struct Console {
     is_entered: AtomicBool,
     /// The number of the signal that asks the program to end, or 0. The handlers of these signals set it.
     end_signal: Arc<AtomicUsize>,
-    /// Whether the program was stopped and goes on. SIGCONT's handler sets it.
+    /// Whether the program was stopped and has been continued since. SIGCONT's handler sets it.
     was_continued: Arc<AtomicBool>,
 }
 
 impl Console {
-    /// Opens the console for the rest of the program's life, so that the handlers of signals and panics
-    /// may use it.
+    /// Opens the console for the rest of the program's life: the handlers of signals and panics use it.
     fn open(options: &Options) -> io::Result<&'static Console> {
         let (file, is_terminal) = system::open_output()?;
         if is_terminal && env::var_os("TERM").is_some_and(|term| term == "dumb") {
@@ -921,17 +949,21 @@ impl Console {
                 let _ = console.leave();
                 previous_hook(info);
             }));
-            // ctrlc works on Windows, too. The other signals exist only on Unix.
-            let obey_ctrl_c = || console.end_signal.store(2, SeqCst); // 2 is SIGINT.
-            ctrlc::set_handler(obey_ctrl_c).map_err(io::Error::other)?;
-            console.catch_signals()?;
+            // ctrlc works on Windows, too. The other signals exist only on Unix. 2 is SIGINT.
+            ctrlc::set_handler(|| console.end_signal.store(2, SeqCst)).map_err(io::Error::other)?;
+            system::catch_signals(console)?;
         }
         Ok(console)
     }
 
-    /// If a signal has come, ends the program by the same signal. So a shell, and a loop or script
-    /// around the program, can tell what ended it.
-    fn end_by_signal(&self) {
+    /// Whether a signal has asked the program to end.
+    fn is_ending(&self) -> bool {
+        self.end_signal.load(SeqCst) != 0
+    }
+
+    /// If a signal has asked the program to end, ends the program by that signal, so that a shell, and a loop
+    /// or script that runs the program, can tell what ended it.
+    fn end_if_signalled(&self) {
         let signal = self.end_signal.load(SeqCst) as i32;
         if signal != 0 {
             system::raise(signal);
@@ -939,12 +971,22 @@ impl Console {
         }
     }
 
-    /// Enters the terminal, unless the program has entered already. Returns true if it has entered just
-    /// now.
+    /// In the background, leaves the terminal to others, and waits for the foreground or a signal to end.
+    fn wait_for_foreground(&self) -> io::Result<()> {
+        while !system::is_in_foreground(&self.file) && !self.is_ending() {
+            self.leave()?;
+            thread::sleep(TICK);
+        }
+        Ok(())
+    }
+
+    /// Enters the terminal, unless the program has entered it already. Returns whether it did so just now, in
+    /// which case the screen has to be cleared. In a pipe, the first call returns true, because donut.c also
+    /// begins by clearing the screen.
     fn enter(&self) -> io::Result<bool> {
         let just_entered = !self.is_entered.swap(true, SeqCst);
         if just_entered && self.is_terminal {
-            self.take_keys()?;
+            system::set_cbreak_mode(&self.file)?;
             let mut bytes = Vec::new();
             if self.has_alternate_screen {
                 queue!(bytes, EnterAlternateScreen)?;
@@ -967,19 +1009,21 @@ impl Console {
             queue!(bytes, LeaveAlternateScreen)?;
         }
         let written = self.write(&bytes);
-        self.give_back_keys();
+        // In the background, changing the settings would stop the program.
+        if system::is_in_foreground(&self.file) {
+            system::restore_settings(&self.file);
+        }
         written
     }
 
-    /// Writes a whole frame at once. `clear` says whether to clear the screen first.
+    /// Writes a frame. `clear` says whether to clear the screen first.
     fn show(&self, renderer: &Renderer, clear: bool) -> io::Result<()> {
-        // The escape codes take a few bytes beside the cells.
         let mut bytes = Vec::with_capacity(renderer.framebuffer.len() + 100);
-        // The terminal holds the output back until the end of the update, so that nobody sees half a
-        // frame.
+        // The terminal holds the output back until the end of the update, so that nobody sees half a frame.
         if self.is_terminal {
             queue!(bytes, BeginSynchronizedUpdate)?;
         }
+        // donut.c's own codes: to clear the screen, and to move the cursor to its top left corner.
         bytes.extend_from_slice(if clear { b"\x1b[2J\x1b[H" } else { b"\x1b[H" });
         if let Some(color) = self.color {
             queue!(bytes, SetForegroundColor(color))?;
@@ -1000,18 +1044,21 @@ impl Console {
 
     /// Writes all bytes, and waits while there is no room for them.
     ///
-    /// A terminal whose window hangs may never take another byte. So once a signal has come, this drops the
-    /// output that the terminal has not taken, and gives up on a write that has lasted longer than
-    /// PATIENCE. Then there is room for what `leave` writes.
+    /// A terminal whose window hangs may never take another byte. So once a signal has come, a write that has
+    /// to wait discards the output that the terminal has not taken yet, to make room for what `leave` writes,
+    /// and fails if it has lasted for a TICK. (In the background, discarding would stop the program.)
     fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
         let start = Instant::now();
         while !bytes.is_empty() {
             match (&self.file).write(bytes) {
+                Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
                 Ok(count) => bytes = &bytes[count..],
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                    if self.end_signal.load(SeqCst) != 0 {
-                        self.drop_unread_output();
-                        if start.elapsed() > PATIENCE {
+                    if self.is_ending() {
+                        if system::is_in_foreground(&self.file) {
+                            system::discard_output(&self.file);
+                        }
+                        if start.elapsed() > TICK {
                             return Err(error);
                         }
                     }
@@ -1023,17 +1070,23 @@ impl Console {
         Ok(())
     }
 
-    /// The columns and rows of the terminal, or `None` if there is none. A terminal that does not know
-    /// its size reports 0, and is taken for 80x24.
+    /// The columns and rows of the terminal, or `None` if there is none. A terminal that does not know its
+    /// size reports 0, and is taken for 80x24.
     fn size(&self) -> io::Result<Option<(u16, u16)>> {
         if !self.is_terminal {
             return Ok(None);
         }
-        let (columns, rows) = self.reported_size()?;
+        let (columns, rows) = system::size(&self.file)?;
         Ok(Some(if columns > 0 && rows > 0 { (columns, rows) } else { (80, 24) }))
+    }
+
+    /// The single-byte keys pressed since the last call.
+    fn keys(&self) -> Vec<u8> {
+        if self.is_terminal { system::keys(&self.file) } else { Vec::new() }
     }
 }
 
+/// What differs between systems.
 #[cfg(unix)]
 mod system {
     use super::*;
@@ -1049,30 +1102,36 @@ mod system {
     use std::os::fd::AsFd;
     use std::sync::OnceLock;
 
-    /// The terminal's settings when the program first entered it. Only those of the first time are kept:
-    /// after a stop, some shells leave the donut's own settings in place.
+    /// The terminal's settings when the program first entered it. They are saved only once: after a suspend,
+    /// some shells leave this program's own settings in place.
     static SETTINGS: OnceLock<Termios> = OnceLock::new();
 
     /// The file for the output, and whether it is a terminal.
     ///
     /// A terminal is opened once more, for keys and output, and in nonblocking mode: otherwise a terminal
     /// that takes no output, or another program that reads the same keys, would block the loop. The mode
-    /// applies only to the new open file, so it makes no difference to other programs. A terminal that
-    /// cannot be opened is treated as a pipe.
+    /// applies only to the new open file, so other programs notice nothing. A terminal that cannot be opened
+    /// is treated as a pipe.
     pub fn open_output() -> io::Result<(File, bool)> {
         let stdout = io::stdout();
-        let path = match termios::tcgetpgrp(&stdout) {
-            // This is not the controlling terminal, which is the terminal that the program was started
-            // from. If it is another terminal, it has a name. If it is a pipe or a file, `ttyname` fails.
-            Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
-            // The controlling terminal, which any user may open under this name.
-            _ => Ok(c"/dev/tty".into()),
-        };
+        // The controlling terminal is the one that the program was started from; any user may open it as
+        // /dev/tty. Another terminal is opened by its name. For a pipe or a file, `ttyname` fails.
+        let is_controlling = termios::tcgetpgrp(&stdout) != Err(Errno::NOTTY);
+        let dev_tty = Ok(c"/dev/tty".into());
+        let path = if is_controlling { dev_tty } else { termios::ttyname(&stdout, Vec::new()) };
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
         match path.and_then(|path| fs::open(path, flags, Mode::empty())) {
             Ok(terminal) => Ok((terminal.into(), true)),
             _ => Ok((stdout.as_fd().try_clone_to_owned()?.into(), false)),
         }
+    }
+
+    pub fn catch_signals(console: &Console) -> io::Result<()> {
+        for signal in [SIGTERM, SIGHUP, SIGQUIT] {
+            flag::register_usize(signal, console.end_signal.clone(), signal as usize)?;
+        }
+        flag::register(SIGCONT, console.was_continued.clone())?;
+        Ok(())
     }
 
     /// Ends the program by this signal.
@@ -1084,106 +1143,79 @@ mod system {
         }
     }
 
-    /// Stops the program's whole job, on Ctrl-Z, until the shell's `fg` continues it. Where no shell could
-    /// continue it, the system ignores this.
+    /// Suspends the program's whole job, as Ctrl-Z normally does by itself. The system ignores this where no
+    /// shell could resume the job.
     ///
-    /// Normally the system does this by itself, and stops all processes of the job at once: the program,
-    /// and the script that has started it, if there is one. As soon as the script has stopped, the shell
-    /// writes its prompt, and if the program were still on the alternate screen, the prompt would be lost
-    /// there. So the program has to leave the terminal first.
-    pub fn stop_job() {
+    /// The job may include a script that runs the program. As soon as the script stops, the shell writes its
+    /// prompt, which would be lost on the alternate screen. So the program has to leave the terminal first.
+    pub fn suspend_job() {
         let _ = kill_current_process_group(Signal::TSTP);
     }
 
-    impl Console {
-        pub fn catch_signals(&self) -> io::Result<()> {
-            for signal in [SIGTERM, SIGHUP, SIGQUIT] {
-                flag::register_usize(signal, self.end_signal.clone(), signal as usize)?;
-            }
-            flag::register(SIGCONT, self.was_continued.clone())?;
-            Ok(())
-        }
+    /// Whether the program may use the terminal.
+    ///
+    /// There is no answer if the terminal is not the controlling terminal, if it is gone, or if the job in
+    /// the foreground is outside of the program's container. Then this function returns true.
+    pub fn is_in_foreground(terminal: &File) -> bool {
+        termios::tcgetpgrp(terminal).map_or(true, |group| group == getpgrp())
+    }
 
-        pub fn reported_size(&self) -> io::Result<(u16, u16)> {
-            let size = termios::tcgetwinsize(&self.file)?;
-            Ok((size.ws_col, size.ws_row))
-        }
+    pub fn size(terminal: &File) -> io::Result<(u16, u16)> {
+        let size = termios::tcgetwinsize(terminal)?;
+        Ok((size.ws_col, size.ws_row))
+    }
 
-        /// Has each key sent at once, and not echoed. But Ctrl-C and Ctrl-\ stay signals, so that they
-        /// work while the terminal takes no output.
-        pub fn take_keys(&self) -> io::Result<()> {
-            let settings = termios::tcgetattr(&self.file)?;
-            let mut changed = SETTINGS.get_or_init(|| settings).clone();
-            changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO | LocalModes::IEXTEN;
-            changed.input_modes -= InputModes::IXON;
-            // No key may suspend, because Ctrl-Z has to arrive as a byte: see `stop_job`. The value that
-            // means "no key" differs between systems, so the key that suspends is set to the one that
-            // interrupts, Ctrl-C. The system looks for an interrupt first, so Ctrl-C still interrupts.
-            let interrupt = changed.special_codes[SpecialCodeIndex::VINTR];
-            changed.special_codes[SpecialCodeIndex::VSUSP] = interrupt;
-            Ok(termios::tcsetattr(&self.file, OptionalActions::Now, &changed)?)
-        }
+    /// Sets cbreak mode. Output is still processed, so that `\n` becomes a carriage return and a newline. And
+    /// Ctrl-C and Ctrl-\ still send signals, so that they work while the terminal takes no output. Without
+    /// IEXTEN and IXON, Ctrl-V, Ctrl-S and the like are ordinary keys.
+    pub fn set_cbreak_mode(terminal: &File) -> io::Result<()> {
+        let settings = termios::tcgetattr(terminal)?;
+        let mut changed = SETTINGS.get_or_init(|| settings).clone();
+        changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO | LocalModes::IEXTEN;
+        changed.input_modes -= InputModes::IXON;
+        // No key may suspend, because Ctrl-Z has to arrive as a byte: see `suspend_job`. The value that means
+        // "no key" differs between systems, so the key that suspends is set to the one that interrupts,
+        // Ctrl-C. The system looks for an interrupt first, so Ctrl-C still interrupts.
+        let interrupt = changed.special_codes[SpecialCodeIndex::VINTR];
+        changed.special_codes[SpecialCodeIndex::VSUSP] = interrupt;
+        Ok(termios::tcsetattr(terminal, OptionalActions::Now, &changed)?)
+    }
 
-        /// Gives the settings back, but not in the background, where that would stop the program.
-        pub fn give_back_keys(&self) {
-            if let Some(settings) = SETTINGS.get().filter(|_| self.is_in_foreground()) {
-                let _ = termios::tcsetattr(&self.file, OptionalActions::Now, settings);
-            }
+    pub fn restore_settings(terminal: &File) {
+        if let Some(settings) = SETTINGS.get() {
+            let _ = termios::tcsetattr(terminal, OptionalActions::Now, settings);
         }
+    }
 
-        /// The pressed keys that send a single byte.
-        ///
-        /// An arrow key, for one, sends a code: an ESC and more bytes. The terminal's answer to a
-        /// question of an earlier program is such a code as well, and may arrive late and in pieces.
-        /// So after an ESC, this function waits for PATIENCE, reads once more, and drops the ESC and
-        /// all that follows it. But if nothing except ESCs has come, that is the Esc key, pressed once
-        /// or held down.
-        pub fn keys(&self) -> Vec<u8> {
-            let mut keys = self.read();
-            if let Some(escape) = keys.iter().position(|&key| key == ESCAPE) {
-                let mut code = keys.split_off(escape);
-                thread::sleep(PATIENCE);
-                code.extend(self.read());
-                if code.iter().all(|&byte| byte == ESCAPE) {
-                    keys.push(ESCAPE);
-                }
-            }
-            keys
-        }
+    pub fn discard_output(terminal: &File) {
+        let _ = termios::tcflush(terminal, QueueSelector::OFlush);
+    }
 
-        /// Reads what the terminal has. What does not fit is read in the next round of the loop. If the
-        /// terminal is gone, `size` reports it.
-        fn read(&self) -> Vec<u8> {
-            if !self.is_terminal {
-                return Vec::new();
-            }
-            let mut bytes = [0; 4096];
-            let count = (&self.file).read(&mut bytes).unwrap_or(0);
-            bytes[..count].to_vec()
-        }
-
-        /// Makes room on a terminal that takes no output, but not in the background, where that would stop
-        /// the program.
-        pub fn drop_unread_output(&self) {
-            if self.is_in_foreground() {
-                let _ = termios::tcflush(&self.file, QueueSelector::OFlush);
+    /// The pressed keys that send a single byte.
+    ///
+    /// An arrow key, for one, sends a code: an ESC and more bytes. The terminal's answer to a question of an
+    /// earlier program is such a code as well, and may arrive late and in pieces. So after an ESC, this
+    /// function waits for a TICK, reads once more, and drops the ESC and all that follows it. But if nothing
+    /// except ESCs has come, that is the Esc key, pressed once or held down.
+    pub fn keys(terminal: &File) -> Vec<u8> {
+        let mut keys = read(terminal);
+        if let Some(escape) = keys.iter().position(|&key| key == ESCAPE) {
+            let mut code = keys.split_off(escape);
+            thread::sleep(TICK);
+            code.extend(read(terminal));
+            if code.iter().all(|&byte| byte == ESCAPE) {
+                keys.push(ESCAPE);
             }
         }
+        keys
+    }
 
-        /// Whether the program may use the terminal.
-        ///
-        /// A shell lends the terminal to one of its jobs at a time. This job is in the *foreground*. A job
-        /// that was started with `&`, or continued with `bg`, is in the *background*, and the system stops
-        /// it if it reads keys or changes the settings.
-        ///
-        /// There is no answer if the terminal is not the controlling terminal, if it is gone, or if the job
-        /// in the foreground is outside of the program's container. Then this function returns true.
-        pub fn is_in_foreground(&self) -> bool {
-            match termios::tcgetpgrp(&self.file) {
-                Ok(group) => group == getpgrp(),
-                Err(_) => true,
-            }
-        }
+    /// Reads what the terminal has. What does not fit is read in the next iteration of the loop. If the
+    /// terminal is gone, `size` reports it.
+    fn read(mut terminal: &File) -> Vec<u8> {
+        let mut bytes = [0; 4096];
+        let count = terminal.read(&mut bytes).unwrap_or(0);
+        bytes[..count].to_vec()
     }
 }
 
@@ -1201,44 +1233,39 @@ mod system {
         Ok((stdout.as_handle().try_clone_to_owned()?.into(), stdout.is_terminal()))
     }
 
+    pub fn catch_signals(_: &Console) -> io::Result<()> {
+        Ok(())
+    }
+
     pub fn raise(_: i32) {}
+    pub fn suspend_job() {}
 
-    pub fn stop_job() {}
+    pub fn is_in_foreground(_: &File) -> bool {
+        true
+    }
 
-    impl Console {
-        pub fn catch_signals(&self) -> io::Result<()> {
-            Ok(())
+    pub fn size(_: &File) -> io::Result<(u16, u16)> {
+        crossterm::terminal::size()
+    }
+
+    pub fn set_cbreak_mode(_: &File) -> io::Result<()> {
+        Ok(())
+    }
+
+    pub fn restore_settings(_: &File) {}
+    pub fn discard_output(_: &File) {}
+
+    pub fn keys(_: &File) -> Vec<u8> {
+        let mut keys = Vec::new();
+        while event::poll(Duration::ZERO).unwrap_or(false) {
+            let Ok(event) = event::read() else { break };
+            let key = event.as_key_press_event().filter(|key| key.modifiers.is_empty());
+            keys.extend(key.and_then(|key| match key.code {
+                KeyCode::Esc => Some(ESCAPE),
+                code => code.as_char()?.try_into().ok(),
+            }));
         }
-
-        pub fn reported_size(&self) -> io::Result<(u16, u16)> {
-            crossterm::terminal::size()
-        }
-
-        pub fn take_keys(&self) -> io::Result<()> {
-            Ok(())
-        }
-
-        pub fn give_back_keys(&self) {}
-
-        /// The pressed keys that are a single byte.
-        pub fn keys(&self) -> Vec<u8> {
-            let mut keys = Vec::new();
-            while self.is_terminal && event::poll(Duration::ZERO).unwrap_or(false) {
-                let Ok(event) = event::read() else { break };
-                let key = event.as_key_press_event().filter(|key| key.modifiers.is_empty());
-                keys.extend(key.and_then(|key| match key.code {
-                    KeyCode::Esc => Some(ESCAPE),
-                    code => code.as_char()?.try_into().ok(),
-                }));
-            }
-            keys
-        }
-
-        pub fn drop_unread_output(&self) {}
-
-        pub fn is_in_foreground(&self) -> bool {
-            true
-        }
+        keys
     }
 }
 

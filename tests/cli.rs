@@ -9,16 +9,19 @@ use proptest::prelude::*;
 
 const DONUT: &str = env!("CARGO_BIN_EXE_donut");
 
-fn donut(options: &[&str]) -> Command {
+fn command(options: &[&str]) -> Command {
     let mut command = Command::new(DONUT);
     command.args(options);
     command
 }
 
-/// Waits until something is true. Gives up after 20 seconds, and then returns false.
+/// How long to wait for something that has to happen, even on a busy machine.
+const MOST_TIME: Duration = Duration::from_secs(60);
+
+/// Waits until something is true. Returns false if it stays false.
 fn becomes_true(mut is_true: impl FnMut() -> bool) -> bool {
     let start = Instant::now();
-    while start.elapsed() < Duration::from_secs(20) {
+    while start.elapsed() < MOST_TIME {
         if is_true() {
             return true;
         }
@@ -64,7 +67,7 @@ fn run(command: &mut Command) -> Output {
 /// Checks that the program refuses these options: exit code 2, nothing on stdout, and a message with all
 /// the texts of `expected` in it.
 fn assert_refused(options: &[&str], expected: &[&str]) {
-    let refused = run(&mut donut(options));
+    let refused = run(&mut command(options));
     let message = String::from_utf8(refused.stderr).unwrap();
     assert_eq!((refused.status.code(), &*refused.stdout), (Some(2), &b""[..]), "{options:?}");
     for text in expected {
@@ -81,7 +84,7 @@ fn succeeded(output: Output) -> String {
 }
 
 fn output_of(options: &[&str]) -> String {
-    succeeded(run(&mut donut(options)))
+    succeeded(run(&mut command(options)))
 }
 
 #[test]
@@ -91,7 +94,7 @@ fn both_helps_have_headings_defaults_values_keys_and_examples() {
         for heading in ["Motion:", "Look:", "Size:", "Geometry:", "Keys:", "Examples:"] {
             assert!(help.lines().any(|line| line == heading), "no {heading} in {help}");
         }
-        for text in ["[default: 30]", "auto", "classic", "exact"] {
+        for text in ["[default: 30]", "classic", "exact"] {
             assert!(help.contains(text), "no {text} in {help}");
         }
     }
@@ -106,7 +109,7 @@ fn no_line_of_either_help_is_longer_than_80_columns() {
 }
 
 #[test]
-fn numbers_are_accepted_from_one_end_of_their_range_to_the_other_and_no_further() {
+fn numbers_are_accepted_within_their_range() {
     let angle = "a number from -1000000000 to 1000000000";
     for (options, allowed, accepted, refused) in [
         (
@@ -173,7 +176,7 @@ fn numbers_are_accepted_from_one_end_of_their_range_to_the_other_and_no_further(
 }
 
 #[test]
-fn options_that_do_not_fit_together_are_refused_with_the_rule_they_break_and_their_values() {
+fn options_that_do_not_fit_together_are_refused() {
     let (ring, viewer) = ("1.01 to 30 times --r1", "1.001 times the sum of --r1 and --r2");
     let classic = "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5";
     for (options, values, rule) in [
@@ -194,7 +197,7 @@ fn options_that_do_not_fit_together_are_refused_with_the_rule_they_break_and_the
 #[test]
 fn the_least_and_the_most_that_a_message_names_are_accepted() {
     let message = |options: &[&str]| {
-        let refused = donut(options).output().unwrap();
+        let refused = command(options).output().unwrap();
         assert_eq!(refused.status.code(), Some(2));
         String::from_utf8(refused.stderr).unwrap()
     };
@@ -212,7 +215,7 @@ fn the_least_and_the_most_that_a_message_names_are_accepted() {
 }
 
 #[test]
-fn lengths_are_accepted_up_to_the_ends_of_their_ranges_and_ratios() {
+fn lengths_are_accepted_within_their_ranges_and_ratios() {
     for (r1, r2, k2) in [
         ("0.000001", "0.000002", "0.000005"),
         ("1", "2", "1000000"),
@@ -226,7 +229,7 @@ fn lengths_are_accepted_up_to_the_ends_of_their_ranges_and_ratios() {
 }
 
 #[test]
-fn the_donut_of_donut_c_in_other_units_is_still_drawn_as_by_donut_c() {
+fn donut_cs_proportions_in_other_units_are_drawn_the_same() {
     let own = output_of(&["--frames=2", "--fps=0"]);
     // In floating point, 0.35 / 0.07 is a little less than 5.
     for [r1, r2, k2] in [["20", "40", "100"], ["0.07", "0.14", "0.35"], ["0.23", "0.46", "1.15"]] {
@@ -259,7 +262,7 @@ fn gray_may_be_written_for_grey() {
 }
 
 #[test]
-fn a_colour_may_be_written_without_the_hash_which_starts_a_comment_in_a_shell() {
+fn the_hash_of_a_colour_may_be_left_out() {
     assert_eq!(sequence("ff8800"), "\x1b[38;2;255;136;0m");
     for color in ["ff8800", "FF8800", "#ff8800"] {
         assert_eq!(sequence(color), sequence("#ff8800"));
@@ -294,7 +297,7 @@ fn an_option_that_is_given_twice_has_its_last_value() {
 #[test]
 fn unknown_options_methods_and_arguments_are_refused() {
     assert_refused(&["--speed", "3"], &["--speed"]);
-    assert_refused(&["--method", "magic"], &["--method", "'magic'", "auto, classic, exact"]);
+    assert_refused(&["--method", "magic"], &["--method", "'magic'", "classic, exact"]);
     assert_refused(&["80"], &["'80'"]);
     assert_refused(&["--width"], &["--width"]);
 }
@@ -305,7 +308,7 @@ fn zero_frames_write_nothing() {
 }
 
 #[test]
-fn a_colour_is_set_and_reset_in_each_frame_and_nothing_else_changes() {
+fn a_colour_is_set_and_reset_in_each_frame() {
     let plain = output_of(&["--frames=2", "--fps=0"]);
     let (clear, frames) = plain.split_once("\x1b[H").unwrap();
     for (color, set) in [
@@ -316,7 +319,7 @@ fn a_colour_is_set_and_reset_in_each_frame_and_nothing_else_changes() {
     ] {
         let frames = frames.split("\x1b[H").map(|rows| format!("\x1b[H{set}{rows}\x1b[0m"));
         let expected = clear.to_owned() + &frames.collect::<String>();
-        let mut command = donut(&["--frames=2", "--fps=0", "--color", color]);
+        let mut command = command(&["--frames=2", "--fps=0", "--color", color]);
         assert_eq!(succeeded(run(command.env("NO_COLOR", "1"))), expected);
     }
 }
@@ -324,7 +327,7 @@ fn a_colour_is_set_and_reset_in_each_frame_and_nothing_else_changes() {
 #[test]
 fn the_program_ends_silently_when_its_reader_goes_away() {
     let mut child =
-        donut(&["--fps=0"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        command(&["--fps=0"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     child.stdout.as_mut().unwrap().read_exact(&mut [0; 1000]).unwrap();
     drop(child.stdout.take());
     succeeded(wait(child));
@@ -334,7 +337,7 @@ fn the_program_ends_silently_when_its_reader_goes_away() {
 #[test]
 fn a_full_disk_gives_one_line_of_message_and_exit_code_1() {
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-    let mut command = donut(&["--frames=1"]);
+    let mut command = command(&["--frames=1"]);
     let output = wait(command.stdout(full).stderr(Stdio::piped()).spawn().unwrap());
     let message = String::from_utf8(output.stderr).unwrap();
     assert_eq!((output.status.code(), message.lines().count()), (Some(1), 1), "{message}");
@@ -343,7 +346,7 @@ fn a_full_disk_gives_one_line_of_message_and_exit_code_1() {
 
 #[cfg(unix)]
 #[test]
-fn where_stdout_is_no_terminal_signals_have_their_default_action() {
+fn in_a_file_signals_have_their_default_action() {
     use portable_pty::{CommandBuilder, PtySize, native_pty_system};
     use std::fs;
     for (name, description) in
@@ -378,9 +381,9 @@ fn every_frame_is_one_write() {
     use std::os::{fd::OwnedFd, unix::net::UnixDatagram};
     // On a datagram socket, each write is a packet of its own.
     let (reader, writer) = UnixDatagram::pair().unwrap();
-    let options = ["--frames=3", "--fps=5", "--color=red"];
-    let child = donut(&options).stdout(OwnedFd::from(writer)).spawn().unwrap();
-    reader.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+    let options = ["--frames=3", "--fps=0", "--color=red"];
+    let child = command(&options).stdout(OwnedFd::from(writer)).spawn().unwrap();
+    reader.set_read_timeout(Some(MOST_TIME)).unwrap();
     let packets = [0; 3].map(|_| reader.recv(&mut [0; 4000]).unwrap());
     succeeded(wait(child));
     let frame = 1764 + "\x1b[38;5;9m\x1b[0m".len();
@@ -395,7 +398,7 @@ fn a_nonblocking_pipe_gets_every_byte_all_the_same() {
     // A program that shares a terminal or a pipe with the donut may have made it nonblocking.
     writer.set_nonblocking(true).unwrap();
     let options = ["--frames=300", "--fps=0"];
-    let child = donut(&options).stdout(OwnedFd::from(writer)).spawn().unwrap();
+    let child = command(&options).stdout(OwnedFd::from(writer)).spawn().unwrap();
     sleep(Duration::from_millis(300));
     let mut stream = Vec::new();
     reader.by_ref().take(MOST_BYTES).read_to_end(&mut stream).unwrap();
@@ -403,45 +406,47 @@ fn a_nonblocking_pipe_gets_every_byte_all_the_same() {
     assert_eq!(stream.len(), 4 + 300 * 1764);
 }
 
-/// Reads the first frame, pauses for the time of `stall`, and then reads all that comes in half a
-/// second. Returns how many frames of `size` bytes came in that half second, and how long it really
-/// was.
-fn count_frames(options: &[&str], size: usize, stall: Duration) -> (f64, Duration) {
-    let mut child = donut(options).stdout(Stdio::piped()).spawn().unwrap();
-    let mut stream = child.stdout.take().unwrap();
-    stream.read_exact(&mut vec![0; size + 4]).unwrap();
-    sleep(stall);
-    let (start, mut bytes, mut buffer) = (Instant::now(), 0, vec![0; size]);
-    while start.elapsed() < Duration::from_millis(500) {
-        bytes += stream.read(&mut buffer).unwrap();
-    }
-    let time = start.elapsed();
-    child.kill().unwrap();
-    child.wait().unwrap();
-    (bytes as f64 / size as f64, time)
-}
-
 #[test]
 fn frames_come_at_the_rate_asked_for() {
-    let (frames, time) = count_frames(&["--fps=50"], 1764, Duration::ZERO);
-    assert!(frames <= 50.0 * time.as_secs_f64() + 3.0, "{frames} frames in {time:?}");
-    assert!(frames >= 8.0, "{frames} frames in {time:?}");
+    // Frame 25 is due after half a second. On a busy machine it may be late, so one try of ten in which it
+    // is not is enough: a program that is too slow never succeeds.
+    let is_in_time = |_| {
+        let start = Instant::now();
+        let mut child = command(&["--fps=50"]).stdout(Stdio::piped()).spawn().unwrap();
+        child.stdout.as_mut().unwrap().read_exact(&mut [0; 4 + 26 * 1764]).unwrap();
+        let time = start.elapsed();
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(time >= Duration::from_millis(500), "{time:?}");
+        time < Duration::from_millis(750)
+    };
+    assert!((0..10).any(is_in_time), "the frames come too slowly");
 }
 
 #[test]
 fn after_a_stall_the_missed_frames_do_not_come_in_a_burst() {
     // A pipe holds only one or two frames of this size. A hundred more come due while nobody reads it.
-    let options = ["--fps=100", "--width=400", "--height=100"];
-    let (frames, time) = count_frames(&options, 40_004, Duration::from_secs(1));
-    assert!(frames > 3.0);
-    assert!(frames <= 100.0 * time.as_secs_f64() + 10.0, "{frames} frames in {time:?}");
+    let (options, frame) = (["--fps=100", "--width=400", "--height=100"], 40_004);
+    let mut child = command(&options).stdout(Stdio::piped()).spawn().unwrap();
+    let mut stream = child.stdout.take().unwrap();
+    stream.read_exact(&mut vec![0; 4 + frame]).unwrap();
+    sleep(Duration::from_secs(1));
+    let start = Instant::now();
+    stream.read_exact(&mut vec![0; 30 * frame]).unwrap();
+    let time = start.elapsed();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    // A few frames come at once: those in the pipe, the one that was being written, and the two after it.
+    assert!(time >= Duration::from_millis(200), "{time:?}");
 }
 
-/// To make a frame late, this test uses frames that are larger than a pipe, and pauses after it has
-/// read frame 0. Frame 1 then fills the pipe, and the program has to wait for its reader. The
-/// reader goes on 2.5 intervals after frame 0, when frame 2 is already half an interval late. Frame
-/// 3 is due half an interval after that. If the delay were added, frame 3 would come
-/// at least a whole interval after the reader goes on.
+/// Frames that are larger than a pipe come late when their reader pauses. In intervals of 400 ms:
+///
+/// - 0.0: The reader takes frame 0, and pauses.
+/// - 1.0: Frame 1 is due. It fills the pipe, so the program waits for the reader.
+/// - 2.5: The reader goes on. Frame 2 is half an interval late.
+/// - 3.0: Frame 3 is due, half an interval after the pause. If frame 2's delay were added, frame 3 would
+///   come a whole interval after the pause.
 ///
 /// On a busy machine frame 3 may be late for other reasons. So this test tries up to ten times, and one
 /// success is enough: a program that adds the delay never succeeds.
@@ -450,7 +455,7 @@ fn a_frame_that_comes_late_does_not_delay_the_frames_after_it() {
     let (options, interval) =
         (["--fps=2.5", "--width=400", "--height=400"], Duration::from_millis(400));
     let frame_3_is_in_time = |_| {
-        let mut child = donut(&options).stdout(Stdio::piped()).spawn().unwrap();
+        let mut child = command(&options).stdout(Stdio::piped()).spawn().unwrap();
         let mut stream = child.stdout.take().unwrap();
         let (clear, frame) = (4, 4 + 400 * 400);
         stream.read_exact(&mut vec![0; clear + frame]).unwrap();
@@ -479,7 +484,7 @@ fn ratio(most: f64) -> impl Strategy<Value = f64> {
 
 fn angle() -> impl Strategy<Value = f64> {
     // The last one is where the floats of classic get too coarse.
-    let special = [0.0, 1e-300, -1e-300, std::f64::consts::FRAC_PI_2, 3_345_245.0 * 0.04];
+    let special = [0.0, 1e-300, -1e-300, std::f64::consts::FRAC_PI_2, 131_072.0];
     prop_oneof![number(-1e9, 1e9), -7.0..7.0, prop::sample::select(special.to_vec())]
 }
 
@@ -499,7 +504,7 @@ fn lengths() -> impl Strategy<Value = [f64; 3]> {
 proptest! {
     #![proptest_config(ProptestConfig {
         cases: 500,
-        // A case that fails is printed. Do not write it into a file of the source tree as well.
+        // A case that fails is printed, not kept in the source tree.
         failure_persistence: None,
         // If the program hangs, each attempt to find a simpler case takes as long as `wait` does.
         max_shrink_time: 60_000, // milliseconds
@@ -512,9 +517,9 @@ proptest! {
         [a, b, da, db] in [angle(), angle(), angle(), angle()],
         [r1, r2, k2] in lengths(),
         aspect in prop_oneof![Just(2.0), number(0.1, 10.0)],
-        method in prop::sample::select(vec!["auto", "classic", "exact"]),
+        method in prop::option::of(prop::sample::select(vec!["classic", "exact"])),
     ) {
-        let options = [
+        let mut options = vec![
             format!("--width={width}"),
             format!("--height={height}"),
             format!("-A{a}"),
@@ -524,9 +529,9 @@ proptest! {
             format!("--r2={r2}"),
             format!("--k2={k2}"),
             format!("--aspect={aspect}"),
-            format!("--method={method}"),
         ];
-        let output = run(donut(&["--frames=2", "--fps=0"]).args(&options));
+        options.extend(method.map(|method| format!("--method={method}")));
+        let output = run(command(&["--frames=2", "--fps=0"]).args(&options));
         let (stream, message) = (output.stdout, String::from_utf8_lossy(&output.stderr));
         match output.status.code() {
             Some(0) => {

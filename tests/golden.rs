@@ -9,14 +9,15 @@ use std::sync::LazyLock;
 use sha2::{Digest, Sha256};
 
 /// What the program writes to stdout.
-fn donut(options: &[&str]) -> Vec<u8> {
+fn output_of(options: &[&str]) -> Vec<u8> {
     let output = Command::new(env!("CARGO_BIN_EXE_donut")).args(options).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     output.stdout
 }
 
 /// The program's first 10,000 frames. Two tests look at them, and the program draws them once for both.
-static FIRST_10_000: LazyLock<Vec<u8>> = LazyLock::new(|| donut(&["--frames=10000", "--fps=0"]));
+static FIRST_10_000: LazyLock<Vec<u8>> =
+    LazyLock::new(|| output_of(&["--frames=10000", "--fps=0"]));
 
 /// Splits what the program has written into frames, and takes off the `ESC [ H` that begins each.
 fn frames(stream: &[u8]) -> Vec<String> {
@@ -51,7 +52,7 @@ fn frames_are_those_recorded_from_donut_c() {
 }
 
 #[test]
-fn the_first_10000_frames_have_the_same_hash_as_those_of_donut_c() {
+fn the_first_10000_frames_have_donut_cs_hash() {
     // The SHA-256 of what donut.c writes after the `ESC [ 2 J` at its start, in its first 10,000 frames.
     // donut.c was compiled by `gcc -std=gnu89 -O2` on x86-64.
     let expected = "351752a14d2a6de405e84f614d4011f429dc0350d84a4b233d52b7aecae65ff8";
@@ -62,7 +63,7 @@ fn the_first_10000_frames_have_the_same_hash_as_those_of_donut_c() {
 fn assert_stored(method: &str, sizes: &[(&str, &str)]) {
     for (width, height) in sizes {
         let pose = ["-A=1", "-B=0.5", "--frames=1", "--method", method];
-        let stream = donut(&[&pose[..], &["--width", width, "--height", height]].concat());
+        let stream = output_of(&[&pose[..], &["--width", width, "--height", height]].concat());
         assert_golden(&format!("{method}-{width}x{height}"), &frames(&stream)[0]);
     }
 }
@@ -80,20 +81,20 @@ fn exact_draws_the_stored_pictures() {
 /// `.ci/run` runs this test twice, in a debug build and in a release build. So the pictures must
 /// depend neither on the optimiser nor on the systems that CI runs on.
 #[test]
-fn the_first_300_frames_of_exact_have_the_stored_hash_in_every_build() {
-    let stream = donut(&["--method=exact", "--frames=300", "--fps=0"]);
+fn the_first_300_frames_of_exact_have_the_stored_hash() {
+    let stream = output_of(&["--method=exact", "--frames=300", "--fps=0"]);
     let expected = "8b67a629f8c5cd2b925ecaeda45caa26b8c7c048c7afec7875ced76d4e16f166";
     assert_eq!(sha256(&stream), expected);
 }
 
 #[test]
-fn auto_goes_on_with_exact_where_the_floats_of_classic_get_too_coarse() {
+fn exact_takes_over_at_the_angles_of_classic() {
     // In frame 7 the angle A has passed 2^17. So exact draws frame 7, at the angles that the sums of
     // classic have reached.
     let start = ["-A=131071.75", "-B=0.5", "--fps=0"];
-    let auto = frames(&donut(&[&start[..], &["--frames=12"]].concat()));
-    let classic = donut(&[&start[..], &["--frames=12", "--method=classic"]].concat());
-    assert!(auto[..7] == frames(&classic)[..7]);
+    let by_default = frames(&output_of(&[&start[..], &["--frames=12"]].concat()));
+    let classic = output_of(&[&start[..], &["--frames=12", "--method=classic"]].concat());
+    assert!(by_default[..7] == frames(&classic)[..7]);
     let frame_7 = ["-A=131072.03125", "-B=0.64", "--fps=0", "--frames=5", "--method=exact"];
-    assert!(auto[7..] == frames(&donut(&frame_7)));
+    assert!(by_default[7..] == frames(&output_of(&frame_7)));
 }

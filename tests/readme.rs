@@ -1,5 +1,5 @@
-//! The README: its pictures are drawn again, and its figures are compared with the tables in
-//! tests/chart.
+//! The README: its pictures are drawn again, and the figures in its text are compared with the tables in
+//! tests/chart. (`tests/unit/chart` counts the wrong cells of its table again.)
 
 mod stored;
 
@@ -52,9 +52,9 @@ fn put(svg: &mut String, column: f64, row: f64, class: &str, glyphs: &str) {
 /// The moving picture. All frames are in one strip, one below another, and the strip moves up
 /// behind a window that is as high as one frame.
 ///
-/// The picture shows 15 frames a second, half as many as the program does by default. To spin at
-/// the same speed, the donut turns about twice as far from one frame to the next. After 157 frames
-/// A has gone round twice and B once, so the first frame follows on the last one.
+/// The picture shows 15 frames a second, half as many as the program does by default, so the donut
+/// turns about twice as far from one frame to the next. After 157 frames A has gone round twice and B
+/// once, and the animation starts again without a jump.
 fn moving_picture() -> String {
     const FRAMES: usize = 157;
     /// The rows of a frame: one that is always empty, 21 that the donut is drawn in, and an empty
@@ -99,8 +99,7 @@ fn two_methods() -> String {
     let [classic, exact] =
         ["classic", "exact"].map(|method| frames(&format!("{pose}={method}")).remove(0));
     let title = "A donut drawn by classic, and the same donut drawn by exact";
-    // There is a margin of one cell all round, two cells are between the pictures, and the names of the
-    // methods have a row of their own.
+    // One cell of margin all round, two cells between the pictures, and a row for the methods' names.
     let right = 1.0 + COLUMNS.len() as f64 + 2.0;
     let (columns, rows) = (right + COLUMNS.len() as f64 + 1.0, ROWS as f64 + 3.0);
     let mut svg = head(title, columns, rows, ".wrong{fill:#ff8c42}");
@@ -108,14 +107,13 @@ fn two_methods() -> String {
         put(&mut svg, left, 1.0, "", name);
         for (row, (line, truth)) in picture.iter().zip(&exact).enumerate() {
             let cells: Vec<_> = line.bytes().zip(truth.bytes()).collect();
-            let mut seen = (0..cells.len()).filter(|&column| cells[column].0 != b' ');
-            assert!(seen.all(|column| COLUMNS.contains(&column)));
             let kind = |cell: &(u8, u8)| (cell.0 != b' ', cell.0 != cell.1);
             let mut column = 0;
             for run in cells.chunk_by(|a, b| kind(a) == kind(b)) {
-                let (seen, wrong) = kind(&run[0]);
-                if seen {
-                    assert!(row < ROWS);
+                let (shows_donut, wrong) = kind(&run[0]);
+                if shows_donut {
+                    assert!(row < ROWS && COLUMNS.start <= column);
+                    assert!(column + run.len() <= COLUMNS.end);
                     let glyphs: String = run.iter().map(|cell| char::from(cell.0)).collect();
                     let class = if wrong { " class=\"wrong\"" } else { "" };
                     let at = left + (column - COLUMNS.start) as f64;
@@ -163,54 +161,49 @@ fn wrong_in_classic(kind: &str) -> f64 {
     100.0 * count(kind) / count("cells of the donut")
 }
 
-/// The lines of tests/chart/clock.csv: the number of a frame, and the largest error of donut.c's
+/// The lines of tests/chart/drift.csv: the number of a frame, and the largest error of donut.c's
 /// angle A up to that frame.
-fn stored_clock_errors() -> Vec<(f64, f64)> {
+fn drift() -> Vec<(f64, f64)> {
     let row = |line: &str| {
         let (frame, error) = line.split_once(',').unwrap();
         (frame.parse().unwrap(), error.parse().unwrap())
     };
-    read("tests/chart/clock.csv").lines().skip(1).map(row).collect()
+    read("tests/chart/drift.csv").lines().skip(1).map(row).collect()
 }
 
-/// What the README has to say: words from it, with `#` in place of a figure, and the value of that
-/// figure.
-///
-/// For example, the README says "After 31 hours the numbers are so coarse". The entry for it is `("After
-/// # hours the numbers", hours(faster))`. The words on both sides of the `#` find the figure 31. The
-/// value is 30.97. It is rounded to as many decimals as the figure has, here none, and must then equal
-/// the figure.
+/// Words of the README, with `#` in place of a figure, and the figure's value. The figure must be this
+/// value, rounded to as many decimals as the README gives it.
 fn figures() -> Vec<(&'static str, f64)> {
     let [one_shade, more_shades, holes, rim] =
         ["one shade off", "more shades off", "holes", "extra outline"].map(wrong_in_classic);
-    let errors = stored_clock_errors();
+    let drift = drift();
     let hours = |frame: f64| frame / 30.0 / 3600.0;
-    let whole_turn = errors.iter().find(|row| row.1 > std::f64::consts::TAU).unwrap().0;
+    let whole_turn = drift.iter().find(|row| row.1 > std::f64::consts::TAU).unwrap().0;
     // From the first of these frames on, A turns too fast. At the second one, it has stopped.
     let [faster, stopped] = [3_345_245.0, 22_918_663.0];
-    // Two lines of the table, well after A has begun to turn too fast. From one to the other, the error
-    // grows by what A turns too far.
-    let late = errors.iter().filter(|row| row.0 > 1.2 * faster).take(2).collect::<Vec<_>>();
-    let too_fast = 100.0 * (late[1].1 - late[0].1) / (late[1].0 - late[0].0) / 0.04;
+    // Two lines of the table, well after A has begun to turn too fast. Between them, the error grows by
+    // the excess of A's turn.
+    let late: Vec<_> = drift.iter().filter(|row| row.0 > 1.2 * faster).take(2).collect();
+    let excess = (late[1].1 - late[0].1) / (late[1].0 - late[0].0);
     vec![
         (
-            "At 80x22, exact is # times as fast as a literal",
+            "exact is about # times as fast as a literal translation",
             times_as_fast("exact", "donut.c as written"),
         ),
-        ("and # times as fast as the closed", times_as_fast("exact", "closed form f64")),
-        ("Classic is # times as fast", times_as_fast("classic x1", "donut.c as written")),
+        ("and about # times as fast as the closed form", times_as_fast("exact", "closed form f64")),
+        ("Classic is about # times as fast", times_as_fast("classic x1", "donut.c as written")),
         ("in #% of the donut's cells", one_shade + more_shades + holes),
-        ("a rim of another #%", rim),
+        ("adds a rim, another #%", rim),
         ("errors add up to a whole turn in # hours", hours(whole_turn)),
-        ("After # hours the numbers", hours(faster)),
-        ("the donut turns #% too fast, later", too_fast),
-        ("after # days it stands still. Classic", hours(stopped) / 24.0),
+        ("After # hours the floats", hours(faster)),
+        ("the donut turns #% too fast", 100.0 * excess / 0.04),
+        ("after # days it stands still", hours(stopped) / 24.0),
         ("after those # hours", hours(faster)),
     ]
 }
 
 #[test]
-fn the_figures_of_the_readme_are_those_of_the_tables() {
+fn the_readmes_figures_are_those_measured() {
     let readme = read("README.md").split_whitespace().collect::<Vec<_>>().join(" ");
     let mut stale = Vec::new();
     for (words, value) in figures() {

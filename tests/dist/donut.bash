@@ -65,7 +65,7 @@ _donut() {
                     return 0
                     ;;
                 --method)
-                    COMPREPLY=($(compgen -W "auto classic exact" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "classic exact" -- "${cur}"))
                     if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
                         compopt -o nospace
                     fi

@@ -4,8 +4,7 @@ complete -c donut -l frames -d 'Stop after N frames; the last one stays on the s
 complete -c donut -l spin -d 'Rotation per frame, in radians' -r -f
 complete -c donut -s A -d 'Starting angle about the x axis, in radians' -r -f
 complete -c donut -s B -d 'Starting angle about the z axis, in radians' -r -f
-complete -c donut -l method -d 'How to draw' -r -f -a "auto\t'Default: classic for donut.c\'s own picture, else exact'
-classic\t'As donut.c does: plot many points, and let the nearest win'
+complete -c donut -l method -d 'How to draw' -r -f -a "classic\t'As donut.c does: plot many points, and let the nearest win'
 exact\t'Follow a ray through the middle of each character'"
 complete -c donut -l color -d 'Colour: a name, 0 to 255, or \'#rrggbb\'' -r -f -a "black\t''
 dark_grey\t''

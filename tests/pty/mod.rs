@@ -1,6 +1,6 @@
 //! A program on a pseudo-terminal, and the screen that a person would see.
 
-use std::cell::Cell;
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::num::NonZeroU16;
@@ -14,18 +14,16 @@ use rustix::fs::{self, Mode, OFlags};
 use vt100::{Parser, Screen};
 
 /// How long to wait for something that has to happen, even on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(20);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 pub struct Pty {
     /// The side of the terminal that the person sees. `None` after the person has hung up.
     master: Option<Box<dyn MasterPty + Send>>,
     /// The side of the program. It is kept here, because a terminal that no program has open is closed.
     _slave: Box<dyn SlavePty + Send>,
-    child: Box<dyn Child + Send + Sync>,
+    child: RefCell<Box<dyn Child + Send + Sync>>,
     keys: Option<Arc<Mutex<dyn Write + Send>>>,
     seen: Arc<Mutex<Seen>>,
-    /// Whether somebody reads what the program writes.
-    is_read: Cell<bool>,
     /// The terminal's settings before the program started, as text.
     settings: String,
 }
@@ -61,7 +59,6 @@ impl Pty {
     /// Begins to read what the program writes: `bytes` at a time, and then a pause.
     pub fn start_reading(&self, bytes: usize, pause: Duration) {
         let (seen, mut reader) = (self.seen.clone(), self.master().try_clone_reader().unwrap());
-        self.is_read.set(true);
         thread::spawn(move || {
             while let Ok(1..) = Pty::read_once(&seen, &mut reader, bytes) {
                 thread::sleep(pause);
@@ -112,10 +109,9 @@ impl Pty {
         Pty {
             master: Some(pair.master),
             _slave: pair.slave,
-            child,
+            child: RefCell::new(child),
             keys: Some(Arc::new(Mutex::new(keys))),
             seen,
-            is_read: Cell::new(false),
             settings,
         }
     }
@@ -124,10 +120,10 @@ impl Pty {
         self.master.as_deref().unwrap()
     }
 
-    /// Types on the keyboard. If the program reads no keys, the terminal takes no more of them at some
-    /// point. Then this panics.
+    /// Types on the keyboard. If the program reads no keys, the terminal eventually accepts no more; then
+    /// this panics.
     #[track_caller]
-    pub fn type_bytes(&mut self, bytes: &[u8]) {
+    pub fn type_bytes(&self, bytes: &[u8]) {
         let (keys, bytes) = (self.keys.clone().unwrap(), bytes.to_vec());
         let (done, is_done) = mpsc::channel();
         thread::spawn(move || {
@@ -155,19 +151,19 @@ impl Pty {
         self.master = None;
     }
 
-    pub fn process(&self) -> u32 {
-        self.child.process_id().unwrap()
+    pub fn pid(&self) -> u32 {
+        self.child.borrow().process_id().unwrap()
     }
 
     /// Sends a signal to the program's process group.
     pub fn signal(&self, name: &str) {
-        kill(name, &format!("-{}", self.process()));
+        kill(name, &format!("-{}", self.pid()));
     }
 
     /// What `ps` says in one column about the process that the program runs: for a shell, its job.
     /// `None` if this process has ended.
     fn ps_column_of_job(&self, column: &str) -> Option<String> {
-        let parent = self.process().to_string();
+        let parent = self.pid().to_string();
         let path = self.path();
         let terminal = path.strip_prefix("/dev/").unwrap();
         let columns = ["-t", terminal, "-o", "ppid=", "-o", "state=", "-o", column];
@@ -180,8 +176,8 @@ impl Pty {
         })
     }
 
-    /// The number of the process that the program runs. `None` if this process has ended.
-    pub fn job_process(&self) -> Option<String> {
+    /// The process that the program runs. `None` if it has ended.
+    pub fn job_pid(&self) -> Option<String> {
         self.ps_column_of_job("pid=")
     }
 
@@ -193,6 +189,11 @@ impl Pty {
         caught.is_some_and(|mask| mask & SIGTERM_BIT != 0)
     }
 
+    /// Whether the process that the program runs has the terminal.
+    pub fn has_job_in_foreground(&self) -> bool {
+        self.ps_column_of_job("pgid=") == self.ps_column_of_job("tpgid=")
+    }
+
     /// Whether the process that the program runs is stopped.
     pub fn is_stopped(&self) -> bool {
         self.ps_column_of_job("state=").is_some_and(|state| state.starts_with('T'))
@@ -200,7 +201,7 @@ impl Pty {
 
     /// Sends a signal to the process that the program runs, and to no other.
     pub fn signal_job(&self, name: &str) {
-        kill(name, &self.job_process().expect("a job"));
+        kill(name, &self.job_pid().expect("a job"));
     }
 
     pub fn path(&self) -> String {
@@ -209,8 +210,21 @@ impl Pty {
 
     /// Opens the terminal as another program would.
     pub fn open(&self) -> File {
+        self.open_with(OFlags::empty())
+    }
+
+    fn open_with(&self, flags: OFlags) -> File {
         // Without NOCTTY, this could become the terminal that the tests themselves are run from.
-        fs::open(self.path(), OFlags::RDWR | OFlags::NOCTTY, Mode::empty()).unwrap().into()
+        let flags = flags | OFlags::RDWR | OFlags::NOCTTY;
+        fs::open(self.path(), flags, Mode::empty()).unwrap().into()
+    }
+
+    /// Waits until the program has written all that the terminal holds while nobody reads it.
+    #[track_caller]
+    pub fn wait_until_full(&self) {
+        let terminal = self.open_with(OFlags::NONBLOCK);
+        // A terminal that is full takes no more NULs, which do not show, either.
+        self.wait_for("a full terminal", |_| (&terminal).write(&[0]).is_err());
     }
 
     /// What `look` finds on the screen.
@@ -238,40 +252,40 @@ impl Pty {
         while !is_true(self) {
             let lines = self.lines().join("\n");
             assert!(start.elapsed() < PATIENCE, "{what} never came true:\n{lines}");
-            thread::sleep(Duration::from_millis(20));
+            thread::sleep(Duration::from_millis(5));
         }
     }
 
-    pub fn is_running(&mut self) -> bool {
-        self.child.try_wait().unwrap().is_none()
+    pub fn is_running(&self) -> bool {
+        self.child.borrow_mut().try_wait().unwrap().is_none()
     }
 
-    /// Waits for the program to end, and until all that it wrote is read. Returns what a shell would
+    /// Waits for the program to end, and until all that it has written is read. Returns what a shell would
     /// call its exit code.
     #[track_caller]
-    pub fn wait_for_exit(&mut self) -> u32 {
-        let code = self.exit_code();
-        if self.is_read.get() && self.master.is_some() {
-            // What is written now is read last.
-            const END: u8 = 0;
-            self.open().write_all(&[END]).unwrap();
-            self.wait_for("the end of the output", |pty| {
-                pty.seen.lock().unwrap().bytes.last() == Some(&END)
-            });
-            self.seen.lock().unwrap().bytes.pop();
-        }
+    pub fn wait_for_exit_and_output(&self) -> u32 {
+        let code = self.wait_for_exit();
+        self.wait_for_output();
         code
+    }
+
+    /// Waits until all that has been written so far is read.
+    #[track_caller]
+    pub fn wait_for_output(&self) {
+        // What is written now is read last. A terminal ignores this byte.
+        const END: u8 = 6;
+        self.open().write_all(&[END]).unwrap();
+        self.wait_for("the end of the output", |pty| {
+            pty.seen.lock().unwrap().bytes.last() == Some(&END)
+        });
+        self.seen.lock().unwrap().bytes.pop();
     }
 
     /// Waits for the program to end. Returns what a shell would call its exit code.
     #[track_caller]
-    pub fn exit_code(&mut self) -> u32 {
-        let start = Instant::now();
-        while self.is_running() {
-            assert!(start.elapsed() < PATIENCE, "the program does not end");
-            thread::sleep(Duration::from_millis(1));
-        }
-        let status = self.child.wait().unwrap();
+    pub fn wait_for_exit(&self) -> u32 {
+        self.wait_for("the program's end", |pty| !pty.is_running());
+        let status = self.child.borrow_mut().wait().unwrap();
         let signals = [("Hangup", 129), ("Interrupt", 130), ("Quit", 131), ("Terminated", 143)];
         status.signal().map_or(status.exit_code(), |name| {
             let signal = signals.iter().find(|signal| name.starts_with(signal.0));
@@ -308,9 +322,10 @@ impl Pty {
 
 impl Drop for Pty {
     fn drop(&mut self) {
-        let _ = self.child.kill();
+        let child = self.child.get_mut();
+        let _ = child.kill();
         for _ in 0..100 {
-            if !matches!(self.child.try_wait(), Ok(None)) {
+            if !matches!(child.try_wait(), Ok(None)) {
                 break;
             }
             thread::sleep(Duration::from_millis(20));

@@ -1,6 +1,6 @@
 //! Files of the source tree that are made by the program or from its options, such as pictures and
-//! completions. They are stored so that nobody has to make them before reading or packing them. The
-//! tests make them again, all but the table of measurements, and fail where a stored one is out of date.
+//! completions. They are checked in, so that they can be read and packaged without a build. The tests
+//! regenerate all but the table of measurements, and fail if one is stale.
 
 use std::{env, fs};
 

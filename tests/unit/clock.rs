@@ -1,19 +1,26 @@
-//! The angles A and B of frame after frame, and the method that `auto` chooses by them.
+//! The angles A and B of frame after frame, and the method that draws each by default.
 
 use super::*;
 
 /// From this frame on, donut.c's angles no longer change.
 const FROZEN: u64 = 22_918_663;
 
+/// From this frame on, exact draws donut.c's own picture by default.
+const HANDOVER: u64 = 3_345_245;
+
 const SPIN: [f64; 2] = [0.04, 0.02];
 
-/// The method that auto chooses for donut.c's own picture at these angles.
-fn auto(angles: [f64; 2], spin: [f64; 2]) -> Method {
-    method_now(Method::Auto, &View::DONUT_C, angles, spin)
+fn options_with(spin: [f64; 2]) -> Options {
+    Options { spin, ..Options::parse_from(["donut"]) }
+}
+
+/// The method that draws donut.c's own picture at these angles.
+fn own_method(options: &Options, angles: [f64; 2]) -> Method {
+    options.method_for(&View::DONUT_C, angles)
 }
 
 #[test]
-fn with_exact_the_donut_still_turns_as_it_should_after_2_to_the_40_frames() {
+fn exact_still_turns_after_2_to_the_40_frames() {
     for (frames, error) in [(0, 1e-9), (1_000_000, 1e-9), (FROZEN, 1e-9), (1 << 40, 1e-5)] {
         let [a, b] = SPIN.map(|step| frames as f64 * step);
         let [next_a, next_b] = next_angles(Method::Exact, [a, b], SPIN);
@@ -29,7 +36,7 @@ fn with_exact_the_donut_still_turns_as_it_should_after_2_to_the_40_frames() {
 }
 
 #[test]
-fn with_classic_the_donut_stands_still_from_frame_22_918_663_on() {
+fn classic_stands_still_from_the_frozen_frame_on() {
     let mut angles = [0.0; 2];
     let first_still_frame = (0..=FROZEN).find(|_| {
         let before = angles;
@@ -41,10 +48,10 @@ fn with_classic_the_donut_stands_still_from_frame_22_918_663_on() {
 }
 
 #[test]
-fn auto_goes_on_with_exact_from_frame_3_345_245_and_the_donut_does_not_jump() {
-    let mut angles = [0.0; 2];
-    for _ in 0..3_345_245 {
-        assert_eq!(auto(angles, SPIN), Method::Classic);
+fn exact_takes_over_without_a_jump() {
+    let (mut angles, options) = ([0.0; 2], options_with(SPIN));
+    for _ in 0..HANDOVER {
+        assert_eq!(own_method(&options, angles), Method::Classic);
         angles = next_angles(Method::Classic, angles, SPIN);
     }
     let [a, b] = angles;
@@ -55,17 +62,18 @@ fn auto_goes_on_with_exact_from_frame_3_345_245_and_the_donut_does_not_jump() {
     let share = changed as f64 / classic.len() as f64;
     assert!((0.05..0.2).contains(&share), "{share}");
     for _ in 0..1000 {
-        assert_eq!(auto(angles, SPIN), Method::Exact);
+        assert_eq!(own_method(&options, angles), Method::Exact);
         angles = next_angles(Method::Exact, angles, SPIN);
     }
 }
 
 #[test]
-fn auto_hands_over_before_the_floats_of_a_slow_donut_freeze() {
+fn exact_takes_over_before_the_floats_of_a_slow_donut_freeze() {
     // At 1000 frames a second, this is after 56 minutes.
     let (mut angles, spin) = ([0.0; 2], [0.0012, 0.0006]);
+    let options = options_with(spin);
     let frame = (0..).find(|_| {
-        let method = auto(angles, spin);
+        let method = own_method(&options, angles);
         angles = next_angles(method, angles, spin);
         method == Method::Exact
     });
@@ -73,7 +81,7 @@ fn auto_hands_over_before_the_floats_of_a_slow_donut_freeze() {
 }
 
 #[test]
-fn auto_is_classic_where_floats_are_at_most_a_quarter_of_the_spin_apart() {
+fn the_default_is_classic_where_floats_are_fine_enough() {
     for (angle, spin, method) in [
         // From 2^15 on floats are 1/256 apart, and from 2^17 on 1/64.
         (40_000.001_5, 4.0 / 256.0, Method::Classic),
@@ -91,14 +99,15 @@ fn auto_is_classic_where_floats_are_at_most_a_quarter_of_the_spin_apart() {
     ] {
         for sign in [1.0, -1.0] {
             let (angle, spin) = (sign * angle, sign * spin);
-            assert_eq!(auto([angle, 0.0], [spin, 0.0]), method, "{angle} {spin}");
-            assert_eq!(auto([0.0, angle], [0.0, spin]), method, "{angle} {spin}");
+            let [about_x, about_z] = [[spin, 0.0], [0.0, spin]].map(options_with);
+            assert_eq!(own_method(&about_x, [angle, 0.0]), method, "{angle} {spin}");
+            assert_eq!(own_method(&about_z, [0.0, angle]), method, "{angle} {spin}");
         }
     }
 }
 
 #[test]
-fn auto_is_exact_at_every_size_and_scene_but_those_of_donut_c() {
+fn the_default_is_exact_in_any_view_but_donut_cs() {
     for (view, method) in [
         (fitted(80, 22), Method::Classic),
         (fitted(81, 22), Method::Exact),
@@ -107,6 +116,6 @@ fn auto_is_exact_at_every_size_and_scene_but_those_of_donut_c() {
         (View::new(80, 22, 2.0, 2.0, 6.0), Method::Exact),
         (View::new(80, 22, 2.0, 2.1, 5.0), Method::Exact),
     ] {
-        assert_eq!(method_now(Method::Auto, &view, [0.0; 2], SPIN), method);
+        assert_eq!(options_with(SPIN).method_for(&view, [0.0; 2]), method);
     }
 }

@@ -3,7 +3,7 @@
 //! - `oracle.rs`: a second way to find what a ray sees. It is slow, and shares no code with the program.
 //! - `exact.rs`: every cell that `exact` draws shows what the oracle sees there.
 //! - `classic.rs`: the parts of `classic`, and how its picture differs from the oracle's.
-//! - `clock.rs`: the angles A and B of frame after frame, and the method that `auto` chooses by them.
+//! - `clock.rs`: the angles A and B of frame after frame, and the method that draws each by default.
 //! - `panic.rs`: the terminal is restored after a panic.
 //! - `dist.rs`: the manual page and the completions in tests/dist say what the program does.
 //! - `chart/`: measures the speed and the accuracy of several methods, and draws the charts of
@@ -25,7 +25,7 @@ mod panic;
 mod stored;
 
 use super::*;
-use oracle::{Oracle, Verdict};
+use oracle::{Oracle, Verdict, differ, level_of};
 
 /// donut.c's view, with each cell divided into `scale` by `scale` cells. The program itself draws this
 /// view only at a scale of 1. Otherwise it fits the donut to the picture, as `fitted` does.
@@ -50,10 +50,21 @@ fn direction(view: &View, x: f64, y: f64) -> (f64, f64) {
     ((x - view.cx) / view.k1x, (y - view.cy) / view.k1y)
 }
 
+/// The direction of the ray through the centre of a cell.
+fn cell_direction(view: &View, (column, row): (usize, usize)) -> (f64, f64) {
+    direction(view, column as f64 + 0.5, row as f64 + 0.5)
+}
+
+/// The columns and rows of a picture's cells, without column 0 and row 0, where nothing is drawn.
+fn cells(view: &View) -> impl Iterator<Item = (usize, usize)> + use<> {
+    let &View { width, height, .. } = view;
+    (1..height).flat_map(move |row| (1..width).map(move |column| (column, row)))
+}
+
 /// The level of a glyph: its place in the ramp, from 0 for the darkest to 11. A blank has none.
 fn level(glyph: u8) -> Option<usize> {
     let level = RAMP.iter().position(|&ramp| ramp == glyph);
-    assert!(level.is_some() || glyph == b' ', "{glyph:?} is no glyph");
+    assert!(level.is_some() || glyph == b' ', "{glyph:?} is not a glyph");
     level
 }
 
@@ -66,7 +77,7 @@ fn donut_c_poses(count: usize) -> Vec<(f64, f64)> {
 /// by less than the two rows that the program adds to its z-buffer. Enlarged, it reaches further,
 /// so this adds more.
 fn renderer(view: View, method: Method) -> Renderer {
-    let mut renderer = Renderer::new(view, method, RAMP);
+    let mut renderer = Renderer::new(view, method);
     renderer.zbuffer.resize(view.width * (view.height + 2 + view.height / 10), 0.0);
     renderer
 }
@@ -92,13 +103,11 @@ struct Tally {
 impl Tally {
     /// Adds the cells of a picture that should show the oracle's torus.
     fn add(&mut self, oracle: &Oracle, view: &View, framebuffer: &[u8]) {
-        for row in 1..view.height {
-            for column in 1..view.width {
-                let (dx, dy) = direction(view, column as f64 + 0.5, row as f64 + 0.5);
-                let drawn = level(framebuffer[row * view.width + column]);
-                self.count(oracle.judge(dx, dy, drawn));
-                self.drawn += usize::from(drawn.is_some());
-            }
+        for (column, row) in cells(view) {
+            let (dx, dy) = cell_direction(view, (column, row));
+            let drawn = level(framebuffer[row * view.width + column]);
+            self.count(oracle.judge(dx, dy, drawn));
+            self.drawn += usize::from(drawn.is_some());
         }
     }
 

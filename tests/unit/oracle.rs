@@ -66,40 +66,44 @@ impl Oracle {
 
     /// Judges what was drawn: a level from 0 to 11, or nothing for a blank.
     pub fn judge(&self, dx: f64, dy: f64, drawn: Option<usize>) -> Verdict {
-        let level = |light: f64| light.max(0.0) as usize;
         let truth = self.look(dx, dy);
-        if truth.map(level) == drawn {
+        if truth.map(level_of) == drawn {
             return Verdict::Right;
         }
-        let explains = |light: Option<f64>| {
-            light.map(level) == drawn || light.map(|light| level(light + LEVEL_TIE)) == drawn
+        let explains = |light: &Option<f64>| {
+            light.map(level_of) == drawn || light.map(|light| level_of(light + LEVEL_TIE)) == drawn
         };
-        let blur = GRAZE_TIE * (self.r1 + self.r2);
-        let mut tubes = [self.r1 - blur, self.r1 + blur];
-        let mut lights = tubes.map(|r1| self.look_at_tube(r1, dx, dy));
-        let mut is_tie = explains(truth) || lights.into_iter().any(explains);
-        // Between two tubes that show different things, there is one that the ray only just touches. This
-        // closes in on it, and asks whether any tube on the way shows what was drawn.
-        while !is_tie && has_jump(lights) {
-            let middle = (tubes[0] + tubes[1]) / 2.0;
-            if tubes.contains(&middle) {
-                break;
-            }
-            let light = self.look_at_tube(middle, dx, dy);
-            is_tie = explains(light);
-            let side = usize::from(has_jump([lights[0], light]));
-            (tubes[side], lights[side]) = (middle, light);
-        }
         match (truth, drawn) {
-            _ if is_tie => Verdict::Tie,
+            _ if explains(&truth) || self.blurred(dx, dy).iter().any(explains) => Verdict::Tie,
             (Some(_), None) => Verdict::Hole,
             (None, _) => Verdict::Extra,
             _ => Verdict::Shade,
         }
     }
 
-    /// The point of the ray that is as far in front of the viewer as the torus's centre, along the z
-    /// axis, and the ray's unit direction. Both are in the torus's own coordinates.
+    /// What the ray sees with tubes that are a little thinner or thicker.
+    fn blurred(&self, dx: f64, dy: f64) -> Vec<Option<f64>> {
+        let blur = GRAZE_TIE * (self.r1 + self.r2);
+        let (mut thin, mut thick) = (self.r1 - blur, self.r1 + blur);
+        let look = |r1| self.look_at_tube(r1, dx, dy);
+        let thinnest = look(thin);
+        let mut lights = vec![thinnest, look(thick)];
+        // If the two differ, there is a tube between them that the ray only just touches. This bisection
+        // closes in on it.
+        while differ(thinnest, lights[1]) {
+            let middle = (thin + thick) / 2.0;
+            if middle == thin || middle == thick {
+                break;
+            }
+            let light = look(middle);
+            lights.push(light);
+            if differ(thinnest, light) { thick = middle } else { thin = middle }
+        }
+        lights
+    }
+
+    /// The ray's point in the plane z = 0, through the torus's centre, and the ray's unit direction. Both
+    /// are in the torus's own coordinates.
     fn ray(&self, dx: f64, dy: f64) -> ([f64; 3], [f64; 3]) {
         let length = (dx * dx + dy * dy + 1.0).sqrt();
         let into = |v: [f64; 3]| self.axes.map(|axis| dot(axis, v));
@@ -123,11 +127,16 @@ impl Oracle {
     }
 }
 
+/// The level of a light: the whole part of 8 L, or 0 where L is negative.
+pub fn level_of(light: f64) -> usize {
+    light.max(0.0) as usize
+}
+
 /// Whether two lights are those of different places, or of a place and of none.
-fn has_jump(lights: [Option<f64>; 2]) -> bool {
-    match lights {
-        [Some(one), Some(other)] => (one - other).abs() > 0.5,
-        [one, other] => one.is_some() != other.is_some(),
+pub fn differ(one: Option<f64>, other: Option<f64>) -> bool {
+    match (one, other) {
+        (Some(one), Some(other)) => (one - other).abs() > 0.5,
+        _ => one.is_some() != other.is_some(),
     }
 }
 

@@ -17,11 +17,11 @@ fn a_donut_that_panics() {
 }
 
 #[test]
-fn after_a_panic_the_terminal_is_restored_and_shows_the_message() {
+fn a_panic_restores_the_terminal_and_is_shown() {
     let program = env::current_exe().unwrap();
     let panics = ["--ignored", "--nocapture", "--exact", "tests::panic::a_donut_that_panics"];
-    let mut pty = Pty::run(program.to_str().unwrap(), &panics, (80, 100), "xterm");
-    assert_eq!(pty.wait_for_exit(), 101);
+    let pty = Pty::run(program.to_str().unwrap(), &panics, (80, 100), "xterm");
+    assert_eq!(pty.wait_for_exit_and_output(), 101);
     pty.assert_restored();
     assert_eq!(pty.written().matches("\x1b[?1049l").count(), 1);
     assert!(

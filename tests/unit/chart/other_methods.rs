@@ -23,19 +23,21 @@ const RAYS: usize = 16;
 /// are, the smaller it is.
 pub fn sphere_trace(r2: f64, rays: &[Ray; RAYS], most_steps: usize) -> [f64; RAYS] {
     let tolerance = (most_steps as f32).powi(-2);
-    let [mut d0, mut f0, mut fu] = [[0.0; RAYS]; 3];
+    let [mut d0_squared, mut f0, mut fu] = [[0.0; RAYS]; 3];
     for (i, ray) in rays.iter().enumerate() {
-        [d0[i], f0[i], fu[i]] = [ray.d0, ray.f0, ray.fu].map(|number| number as f32);
+        [d0_squared[i], f0[i], fu[i]] =
+            [ray.d0_squared, ray.f0, ray.fu].map(|number| number as f32);
     }
     let r2 = r2 as f32;
-    let half = d0.map(|d0| ((1.0 + r2) * (1.0 + r2) - d0).max(0.0).sqrt());
+    let radius_squared = (1.0 + r2) * (1.0 + r2);
+    let half = d0_squared.map(|d0_squared| (radius_squared - d0_squared).max(0.0).sqrt());
     let mut s = half.map(|half| -half);
     let mut distance = [f32::INFINITY; RAYS];
     for _ in 0..most_steps {
         let mut running = false;
         for i in 0..RAYS {
             let f = f0[i] + s[i] * fu[i];
-            let h = (d0[i] + s[i] * s[i] - f * f).max(0.0).sqrt();
+            let h = (d0_squared[i] + s[i] * s[i] - f * f).max(0.0).sqrt();
             distance[i] = ((h - r2) * (h - r2) + f * f).sqrt() - 1.0;
             let open = (distance[i] > tolerance) & (s[i] < half[i]);
             s[i] += if open { distance[i] } else { 0.0 };
@@ -120,7 +122,7 @@ pub fn plain_quartic(torus: &Torus, ray: &Ray) -> [f64; 3] {
 /// not enough.
 pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
     let radius = 1.0 + torus.r2;
-    let half = (radius * radius - ray.d0).max(0.0).sqrt();
+    let half = (radius * radius - ray.d0_squared).max(0.0).sqrt();
     let ([p, q, r], mut s) = (plain_quartic(torus, ray), -half);
     for _ in 0..64 {
         let slope = (4.0 * s * s + 2.0 * p) * s + q;
@@ -145,8 +147,9 @@ pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
 /// P0, the point of the ray nearest to the donut's centre, and k is `K2^2 + R2^2 - 1`.
 macro_rules! textbook {
     ($name:ident, $float:ident) => {
-        pub fn $name(torus: &Torus, k2: f64, &Ray { d0, fu, .. }: &Ray) -> f64 {
-            let (t0, f, r2_r2) = ((k2 * k2 - d0).sqrt(), -k2 * torus.axis[2], torus.r2 * torus.r2);
+        pub fn $name(torus: &Torus, k2: f64, &Ray { d0_squared, fu, .. }: &Ray) -> f64 {
+            let (t0, f, r2_r2) =
+                ((k2 * k2 - d0_squared).sqrt(), -k2 * torus.axis[2], torus.r2 * torus.r2);
             let [t0, f, fu, k2, r2_r2] = [t0, f, fu, k2, r2_r2].map(|value| value as $float);
             let four_r2_r2 = 4.0 * r2_r2;
             // t^4 + a t^3 + b t^2 + c t + d
@@ -209,7 +212,7 @@ pub fn donut_c(a: f32, b: f32, view: &View, zbuffer: &mut [f32], framebuffer: &m
             let inside = view.height > y && y > 0 && x > 0 && view.width > x;
             if inside && ooz > zbuffer[o] {
                 zbuffer[o] = ooz;
-                framebuffer[o] = glyph(RAMP, luminance.into());
+                framebuffer[o] = glyph(luminance.into());
             }
             i = add_step(i, 0.02);
         }

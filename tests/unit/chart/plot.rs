@@ -1,6 +1,6 @@
-//! The drawing of the two charts in tests/chart. The title of a chart says what the chart shows,
-//! and its curves have labels instead of a key. The colours follow the page, which may be light or
-//! dark. A chart can be read even on a phone, where it is 390 pixels wide.
+//! The drawing of the two charts in tests/chart. Their titles say what they show, and their curves
+//! have labels instead of a key. Their colours follow the page, which may be light or dark. They can be
+//! read even on a phone, where they are 390 pixels wide.
 
 use std::error::Error;
 
@@ -62,8 +62,7 @@ fn chart(height: u32, draw: impl Fn(&Area) -> Result<()>) -> Result<String> {
     Ok(svg)
 }
 
-/// The style of text of this height in pixels. plotters divides the height by 1.24, which has to be
-/// undone.
+/// The style of text of this height in pixels. (plotters divides it by 1.24.)
 fn font(size: i32, color: &RGBColor) -> TextStyle<'static> {
     ("sans-serif", 1.24 * f64::from(size)).into_font().color(color)
 }
@@ -154,11 +153,12 @@ impl<'a> Panel<'a> {
 /// A chart with a dot for each method: to the right is the time of a frame in microseconds, and
 /// upward the share of wrong cells in per cent.
 pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
-    let named = |start: &str| -> Vec<_> {
+    let starting_with = |start: &str| -> Vec<_> {
         dots.iter().filter(|dot| dot.0.starts_with(start)).map(|dot| dot.1).collect()
     };
     // Several names begin with "classic x1", and "classic x1" itself is the first of them.
-    let [exact, classic, written] = ["exact", "classic x1", "donut.c"].map(|name| named(name)[0]);
+    let [exact, classic, literal] =
+        ["exact", "classic x1", "donut.c"].map(|name| starting_with(name)[0]);
     let title = "Exact is the fastest method without a wrong cell";
     let y_title = "wrong cells, as % of the donut's cells (cube-root scale)";
     let x_title = "time of a frame in µs, at 80x22 (logarithmic scale)";
@@ -178,7 +178,7 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
     chart(430, |area| {
         let panel = Panel::new(area, [title, y_title, x_title], &x, &y)?;
         // A line through classic with longer and shorter steps.
-        let mut steps = named("classic ");
+        let mut steps = starting_with("classic ");
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
         panel.line(&steps, FAINT.stroke_width(2))?;
         for &(name, at) in dots {
@@ -189,7 +189,7 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
         }
         for (at, radius, below, name, color) in [
             (classic, 6, 18, "classic", ORANGE),
-            (written, 6, 18, "literal donut.c", INK),
+            (literal, 6, 18, "literal donut.c", INK),
             (exact, 8, 18, "exact", GREEN),
         ] {
             panel.dot(at, radius, &color)?;
@@ -198,19 +198,19 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
             panel.label(at, (0, below), Center, &name, &color)?;
         }
 
-        let tracing = named("sphere tracing ");
+        let tracing = starting_with("sphere tracing ");
         panel.line(&tracing, BLUE.stroke_width(2))?;
         for &at in &tracing {
             panel.dot(at, 3, &BLUE)?;
         }
         panel.label(tracing[0], (9, -2), Left, "sphere tracing, 8 steps", &BLUE)?;
         panel.label(tracing[4], (9, -4), Left, "256 steps", &BLUE)?;
-        let closed = named("closed form ");
+        let closed = starting_with("closed form ");
         panel.line(&closed, PURPLE.stroke_width(2))?;
         for &at in &closed {
             panel.dot(at, 3, &PURPLE)?;
         }
-        panel.label(closed[1], (9, 1), Left, "closed form", &PURPLE)?;
+        panel.label(closed[1], (9, 1), Left, "closed form, f32 and f64", &PURPLE)?;
 
         // An arrow towards less time and fewer wrong cells.
         let [tail, head] = [(9.3, 0.25), (6.0, 0.02)];
@@ -220,10 +220,10 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
     })
 }
 
-// ---- donut.c's clock -----------------------------------------------------------------------------
+// ---- The drift of donut.c's angles ---------------------------------------------------------------
 
 /// A chart of the largest error of donut.c's angle A so far, over the running time.
-pub fn clock(errors: &[(u32, f64)]) -> Result<String> {
+pub fn drift(errors: &[(u32, f64)]) -> Result<String> {
     const MINUTE: f64 = 60.0 * 30.0;
     const HOUR: f64 = 60.0 * MINUTE;
     const DAY: f64 = 24.0 * HOUR;
