@@ -84,8 +84,8 @@ use std::io::{self, Write};
 use std::ops::RangeInclusive;
 use std::process::{self, ExitCode};
 use std::str::FromStr;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
+use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 use std::{array, env, panic, thread};
 
@@ -95,7 +95,8 @@ use crossterm::cursor::{Hide, MoveToColumn, Show};
 use crossterm::queue;
 use crossterm::style::{self, Color, ResetColor, SetForegroundColor};
 use crossterm::terminal::{
-    BeginSynchronizedUpdate, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
+    BeginSynchronizedUpdate, Clear, ClearType, EndSynchronizedUpdate, EnterAlternateScreen,
+    LeaveAlternateScreen,
 };
 
 // ---- View ----------------------------------------------------------------------------------------
@@ -826,7 +827,7 @@ fn run(options: &Options) -> io::Result<()> {
 /// donut.c's `for (;;)`. Each iteration draws the next frame if it is due. On a terminal, it first takes care
 /// of signals, keys and a new size. That happens at least every TICK, so while the donut is paused, or at a
 /// low frame rate, there are iterations in which no frame is due.
-fn play(options: &Options, console: &Console) -> io::Result<()> {
+fn play(options: &Options, console: &'static Console) -> io::Result<()> {
     let &Options { fps, frames, spin, a, b, .. } = options;
     // A Duration cannot hold 1 / fps seconds if fps is tiny. 1e9 seconds, nearly 32 years, will do.
     let interval = Duration::from_secs_f64(if fps == 0.0 { 0.0 } else { (1.0 / fps).min(1e9) });
@@ -972,8 +973,8 @@ impl Console {
     }
 
     /// In the background, leaves the terminal to others, and waits for the foreground or a signal to end.
-    fn wait_for_foreground(&self) -> io::Result<()> {
-        while !system::is_in_foreground(&self.file) && !self.is_ending() {
+    fn wait_for_foreground(&'static self) -> io::Result<()> {
+        while self.is_terminal && !system::is_in_foreground(&self.file) && !self.is_ending() {
             self.leave()?;
             thread::sleep(TICK);
         }
@@ -997,8 +998,8 @@ impl Console {
         Ok(just_entered)
     }
 
-    /// Leaves the terminal as it was found, if the program has entered it.
-    fn leave(&self) -> io::Result<()> {
+    /// Leaves the terminal as it was first found, if the program has entered it.
+    fn leave(&'static self) -> io::Result<()> {
         if !self.is_entered.swap(false, SeqCst) || !self.is_terminal {
             return Ok(());
         }
@@ -1006,14 +1007,40 @@ impl Console {
         // A signal may have cut a frame short, in the middle of a row.
         queue!(bytes, EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
         if self.has_alternate_screen {
-            queue!(bytes, LeaveAlternateScreen)?;
+            // After a new size, tmux copies rows of the alternate screen into the shell's, unless it is clear.
+            queue!(bytes, Clear(ClearType::All), LeaveAlternateScreen)?;
         }
-        let written = self.write(&bytes);
-        // In the background, changing the settings would stop the program.
+        let written = self.write_patiently(bytes);
+        // In the background, the settings are the shell's, and changing them would stop the program.
         if system::is_in_foreground(&self.file) {
             system::restore_settings(&self.file);
         }
         written
+    }
+
+    /// Writes what must arrive even if other programs write to the terminal, or if nobody reads it.
+    ///
+    /// Linux lets one program at a time write to a terminal. The others queue, but a nonblocking write does
+    /// not: while another program writes without a pause, it always fails. So here a thread does a blocking
+    /// write. If that takes long, and a signal has come, this discards the output that the terminal has not
+    /// taken yet, to make room, and soon gives up.
+    fn write_patiently(&'static self, bytes: Vec<u8>) -> io::Result<()> {
+        system::set_nonblocking(&self.file, false)?;
+        let (sender, receiver) = mpsc::channel();
+        thread::spawn(move || sender.send((&self.file).write_all(&bytes)));
+        let mut result = receiver.recv_timeout(2 * TICK);
+        let mut tries = 0;
+        while result.is_err() && tries < 20 {
+            if self.is_ending() {
+                tries += 1;
+                if system::is_in_foreground(&self.file) {
+                    system::discard_output(&self.file);
+                }
+            }
+            result = receiver.recv_timeout(TICK);
+        }
+        system::set_nonblocking(&self.file, true)?;
+        result.unwrap_or(Err(io::ErrorKind::TimedOut.into()))
     }
 
     /// Writes a frame. `clear` says whether to clear the screen first.
@@ -1042,27 +1069,20 @@ impl Console {
         self.write(&bytes)
     }
 
-    /// Writes all bytes, and waits while there is no room for them.
-    ///
-    /// A terminal whose window hangs may never take another byte. So once a signal has come, a write that has
-    /// to wait discards the output that the terminal has not taken yet, to make room for what `leave` writes,
-    /// and fails if it has lasted for a TICK. (In the background, discarding would stop the program.)
+    /// Writes all bytes, and waits while there is no room for them. A terminal whose window hangs may never
+    /// have room again, so this gives up once a signal has come.
     fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
-        let start = Instant::now();
+        let mut pause = Duration::from_millis(1);
         while !bytes.is_empty() {
             match (&self.file).write(bytes) {
                 Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
-                Ok(count) => bytes = &bytes[count..],
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                    if self.is_ending() {
-                        if system::is_in_foreground(&self.file) {
-                            system::discard_output(&self.file);
-                        }
-                        if start.elapsed() > TICK {
-                            return Err(error);
-                        }
-                    }
-                    thread::sleep(Duration::from_millis(1));
+                Ok(count) => {
+                    bytes = &bytes[count..];
+                    pause = Duration::from_millis(1);
+                }
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock && !self.is_ending() => {
+                    thread::sleep(pause);
+                    pause = TICK.min(2 * pause);
                 }
                 Err(error) => return Err(error),
             }
@@ -1094,11 +1114,12 @@ mod system {
     use rustix::io::Errno;
     use rustix::process::{Signal, getpgrp, kill_current_process_group};
     use rustix::termios::{
-        self, InputModes, LocalModes, OptionalActions, QueueSelector, SpecialCodeIndex, Termios,
+        self, Action, InputModes, LocalModes, OptionalActions, OutputModes, QueueSelector,
+        SpecialCodeIndex, Termios,
     };
     use signal_hook::consts::{SIGCONT, SIGHUP, SIGQUIT, SIGTERM};
     use signal_hook::{flag, low_level};
-    use std::io::Read;
+    use std::io::{IsTerminal, Read};
     use std::os::fd::AsFd;
     use std::sync::OnceLock;
 
@@ -1114,16 +1135,24 @@ mod system {
     /// is treated as a pipe.
     pub fn open_output() -> io::Result<(File, bool)> {
         let stdout = io::stdout();
-        // The controlling terminal is the one that the program was started from; any user may open it as
-        // /dev/tty. Another terminal is opened by its name. For a pipe or a file, `ttyname` fails.
-        let is_controlling = termios::tcgetpgrp(&stdout) != Err(Errno::NOTTY);
-        let dev_tty = Ok(c"/dev/tty".into());
-        let path = if is_controlling { dev_tty } else { termios::ttyname(&stdout, Vec::new()) };
-        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
-        match path.and_then(|path| fs::open(path, flags, Mode::empty())) {
-            Ok(terminal) => Ok((terminal.into(), true)),
-            _ => Ok((stdout.as_fd().try_clone_to_owned()?.into(), false)),
+        if stdout.is_terminal() {
+            let path = match termios::tcgetpgrp(&stdout) {
+                Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
+                // The controlling terminal, the one that the program was started from, may be opened by any
+                // user under this name.
+                _ => Ok(c"/dev/tty".into()),
+            };
+            let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+            if let Ok(terminal) = path.and_then(|path| fs::open(path, flags, Mode::empty())) {
+                return Ok((terminal.into(), true));
+            }
         }
+        Ok((stdout.as_fd().try_clone_to_owned()?.into(), false))
+    }
+
+    pub fn set_nonblocking(terminal: &File, is_nonblocking: bool) -> io::Result<()> {
+        let flags = if is_nonblocking { OFlags::NONBLOCK } else { OFlags::empty() };
+        Ok(fs::fcntl_setfl(terminal, flags)?)
     }
 
     pub fn catch_signals(console: &Console) -> io::Result<()> {
@@ -1165,14 +1194,15 @@ mod system {
         Ok((size.ws_col, size.ws_row))
     }
 
-    /// Sets cbreak mode. Output is still processed, so that `\n` becomes a carriage return and a newline. And
-    /// Ctrl-C and Ctrl-\ still send signals, so that they work while the terminal takes no output. Without
-    /// IEXTEN and IXON, Ctrl-V, Ctrl-S and the like are ordinary keys.
+    /// Sets cbreak mode. OPOST and ONLCR make `\n` a carriage return and a newline. Ctrl-C and Ctrl-\ still
+    /// send signals, so that they work while the terminal takes no output. Without IEXTEN and IXON, Ctrl-V,
+    /// Ctrl-S and the like are ordinary keys.
     pub fn set_cbreak_mode(terminal: &File) -> io::Result<()> {
         let settings = termios::tcgetattr(terminal)?;
         let mut changed = SETTINGS.get_or_init(|| settings).clone();
         changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO | LocalModes::IEXTEN;
         changed.input_modes -= InputModes::IXON;
+        changed.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
         // No key may suspend, because Ctrl-Z has to arrive as a byte: see `suspend_job`. The value that means
         // "no key" differs between systems, so the key that suspends is set to the one that interrupts,
         // Ctrl-C. The system looks for an interrupt first, so Ctrl-C still interrupts.
@@ -1187,8 +1217,12 @@ mod system {
         }
     }
 
+    /// Discards the output that the terminal has not taken yet. That alone does not wake a program that waits
+    /// for room; stopping and starting the output does.
     pub fn discard_output(terminal: &File) {
         let _ = termios::tcflush(terminal, QueueSelector::OFlush);
+        let _ = termios::tcflow(terminal, Action::OOff);
+        let _ = termios::tcflow(terminal, Action::OOn);
     }
 
     /// The pressed keys that send a single byte.
@@ -1214,7 +1248,10 @@ mod system {
     /// terminal is gone, `size` reports it.
     fn read(mut terminal: &File) -> Vec<u8> {
         let mut bytes = [0; 4096];
-        let count = terminal.read(&mut bytes).unwrap_or(0);
+        // Where there is nothing to read, do not even try: a shell may just have put the program into the
+        // background, where trying would stop it.
+        let has_keys = rustix::io::ioctl_fionread(terminal).is_ok_and(|count| count > 0);
+        let count = if has_keys { terminal.read(&mut bytes).unwrap_or(0) } else { 0 };
         bytes[..count].to_vec()
     }
 }
@@ -1249,6 +1286,10 @@ mod system {
     }
 
     pub fn set_cbreak_mode(_: &File) -> io::Result<()> {
+        Ok(())
+    }
+
+    pub fn set_nonblocking(_: &File, _: bool) -> io::Result<()> {
         Ok(())
     }
 

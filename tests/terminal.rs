@@ -9,7 +9,8 @@ mod pty;
 
 use std::io::Write;
 use std::process::Command;
-use std::thread::{sleep, spawn};
+use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+use std::thread::{scope, sleep};
 use std::time::{Duration, Instant};
 
 use pty::Pty;
@@ -22,7 +23,10 @@ const STILL: [&str; 3] = ["-A=1", "-B=0.5", "--spin=0,0"];
 const ONE_FRAME: &str = "--fps=1e-300";
 /// The commands that end the updates and leave the terminal, as the terminal gets them.
 const END_UPDATE: &str = "\x1b[?2026l";
-const LEAVE: &str = "\x1b[1G\x1b[?25h\x1b[?1049l";
+const LEAVE: &str = "\x1b[1G\x1b[?25h\x1b[2J\x1b[?1049l";
+
+/// The signals that ask donut to end, and what a shell then calls its exit code.
+const SIGNALS: [(&str, u32); 4] = [("HUP", 129), ("INT", 130), ("QUIT", 131), ("TERM", 143)];
 
 fn run_donut(options: &[&str], size: (u16, u16)) -> Pty {
     Pty::run(DONUT, options, size, "xterm-256color")
@@ -450,23 +454,82 @@ fn a_terminal_of_another_user_is_drawn_on() {
 #[test]
 fn a_terminal_that_cannot_be_opened_is_treated_as_a_pipe() {
     let unshare = "unshare --user --map-root-user --mount";
-    let hide_names = "mount -t tmpfs none /dev/pts";
-    if !is_allowed(&format!("{unshare} {hide_names}")) {
+    for (hidden, run) in [
+        ("/dev/pts", format!("setsid -w {DONUT} --frames=1")),
+        // A pipe is written to even in the background.
+        ("/dev", format!("set -m; {DONUT} --frames=1 & wait")),
+    ] {
+        let hide = format!("mount -t tmpfs none {hidden}");
+        if !is_allowed(&format!("{unshare} {hide}")) {
+            return;
+        }
+        let command = format!("{unshare} sh -c '{hide} && {run}'; exit $?");
+        let pty = Pty::run("sh", &["-c", &command], (100, 40), "xterm");
+        assert_eq!(pty.wait_for_exit_and_output(), 0);
+        assert_eq!(pty.lines(), last_picture(&[], (80, 22), 40));
+        assert!(!pty.written().contains("\x1b[?"));
+    }
+}
+
+#[test]
+fn a_device_gets_the_picture_and_the_screen_does_not() {
+    for device in ["/dev/null", "/dev/zero", "/dev/urandom"] {
+        let command = format!("{DONUT} --frames=2 --fps=0 > {device}");
+        let pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
+        assert_eq!(pty.wait_for_exit_and_output(), 0, "{device}");
+        assert_eq!(pty.written(), "", "{device}");
+    }
+}
+
+#[test]
+fn the_picture_is_upright_on_a_terminal_that_does_not_process_output() {
+    let command = format!("stty -opost -onlcr; {}; stty -a", still_command());
+    let pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
+    wait_for_picture(&pty, (80, 24));
+    pty.type_bytes(b"q");
+    assert_eq!(pty.wait_for_exit_and_output(), 0);
+    let lines = pty.lines().join(" ");
+    assert!(lines.contains("-opost") && lines.contains("-onlcr"), "{lines}");
+}
+
+#[test]
+fn in_tmux_a_new_size_leaves_no_rows_in_the_shells_screen() {
+    if !is_installed("tmux") {
         return;
     }
-    let run = format!("{hide_names} && setsid -w {DONUT} --frames=1");
-    let command = format!("{unshare} sh -c '{run}'; exit $?");
-    let pty = Pty::run("sh", &["-c", &command], (100, 40), "xterm");
-    assert_eq!(pty.wait_for_exit_and_output(), 0);
-    assert_eq!(pty.lines(), last_picture(&[], (80, 22), 40));
-    assert!(!pty.written().contains("\x1b[?"));
+    let server = format!("donut-{}", std::process::id());
+    let tmux = |arguments: &[&str]| {
+        let start = ["-L", &server, "-f", "/dev/null"];
+        let output = Command::new("tmux").args(start).args(arguments).output().unwrap();
+        assert!(output.status.success(), "{arguments:?}: {output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let becomes_true = |is_true: &dyn Fn() -> bool| {
+        let start = Instant::now();
+        while !is_true() {
+            assert!(start.elapsed() < Duration::from_secs(60), "{}", tmux(&["capture-pane", "-p"]));
+            sleep(Duration::from_millis(10));
+        }
+    };
+    let shows = |text: &str| tmux(&["capture-pane", "-p"]).contains(text);
+    let command = format!("echo before; {}; echo after; sleep 100", still_command());
+    tmux(&["new-session", "-d", "-x", "80", "-y", "24", &command]);
+    becomes_true(&|| shows("@"));
+    tmux(&["resize-window", "-x", "120", "-y", "40"]);
+    let longest = picture((120, 40)).into_iter().max_by_key(String::len).unwrap();
+    becomes_true(&|| shows(&longest));
+    tmux(&["send-keys", "q"]);
+    becomes_true(&|| shows("after"));
+    let screen = tmux(&["capture-pane", "-p"]);
+    tmux(&["kill-server"]);
+    assert_eq!(screen.split_whitespace().collect::<Vec<_>>(), ["before", "after"]);
 }
 
 // ---- Signals -------------------------------------------------------------------------------------
 
 #[test]
 fn a_signal_ends_donut_after_restoring_the_terminal() {
-    for (signal, code) in [("HUP", 129), ("INT", 130), ("QUIT", 131), ("TERM", 143)] {
+    for (signal, code) in SIGNALS {
         let pty = run_donut(&[ONE_FRAME], (80, 24));
         wait_for_first_frame(&pty);
         pty.signal(signal);
@@ -546,8 +609,7 @@ fn stuck_donut(options: &[&str], size: (u16, u16)) -> Pty {
 #[test]
 fn a_signal_restores_a_stuck_terminal() {
     for size in [(80, 24), (1000, 500)] {
-        let signals = [("HUP", 129), ("INT", 130), ("QUIT", 131), ("TERM", 143)];
-        let ptys = signals.map(|(signal, code)| (stuck_donut(&[], size), signal, code));
+        let ptys = SIGNALS.map(|(signal, code)| (stuck_donut(&[], size), signal, code));
         for (pty, signal, _) in &ptys {
             match *signal {
                 "INT" => pty.type_bytes(b"\x03"),
@@ -564,6 +626,21 @@ fn a_signal_restores_a_stuck_terminal() {
     }
 }
 
+/// Without a shell that could resume it, Ctrl-Z makes donut leave the terminal and enter it again.
+#[test]
+fn a_signal_restores_a_terminal_that_is_stuck_after_a_ctrl_z() {
+    let pty = Pty::run_unread(DONUT, &["--fps=0"], (80, 24), "xterm");
+    pty.read_until(|pty| frame_count(pty) > 0);
+    pty.type_bytes(b"\x1a");
+    pty.read_until(|pty| enter_count(pty) == 2);
+    pty.wait_until_full();
+    pty.signal("TERM");
+    assert_eq!(pty.wait_for_exit(), 143);
+    pty.start_reading(1 << 16, Duration::ZERO);
+    pty.wait_for_output();
+    pty.assert_restored();
+}
+
 #[test]
 fn after_a_frame_cut_short_the_prompt_is_in_column_0() {
     let pty = stuck_donut(&["--frames=1000000"], (80, 24));
@@ -575,29 +652,56 @@ fn after_a_frame_cut_short_the_prompt_is_in_column_0() {
     assert_eq!(pty.screen(vt100::Screen::cursor_position).1, 0);
 }
 
-/// Linux lets only one program write to a terminal at a time. Here another program waits for room on a
-/// full terminal, and until it has written, donut cannot write either. So donut has to try again.
-///
-/// But it must not try for ever, and on a busy machine it may give up before the terminal reads again. So
-/// this test tries up to ten times, and one success is enough: a program that gives up at once never
-/// succeeds.
+/// Linux lets one program at a time write to a terminal. Here another program is inside its write, and waits
+/// for room on a full terminal, when the signal comes. It goes on to write until donut has ended. The
+/// terminal is read slowly, or not at all.
 #[test]
 fn a_signal_restores_while_another_program_writes() {
-    let restores = |_| {
+    let is_over = AtomicBool::new(false);
+    let cases = [1, 100, 4096, 65_536].into_iter().flat_map(|size| SIGNALS.map(|end| (size, end)));
+    for (n, (size, (signal, code))) in cases.enumerate() {
         let pty = stuck_donut(&[], (80, 24));
         let mut terminal = pty.open();
-        let writer = spawn(move || terminal.write_all(&[0; 1000]));
-        sleep(Duration::from_millis(20));
-        pty.signal("TERM");
-        sleep(Duration::from_millis(10));
-        pty.start_reading(1 << 16, Duration::ZERO);
-        assert_eq!(pty.wait_for_exit(), 143);
-        writer.join().unwrap().unwrap();
+        is_over.store(false, SeqCst);
+        scope(|scope| {
+            scope.spawn(|| {
+                while !is_over.load(SeqCst) {
+                    terminal.write_all(&vec![0; size]).unwrap();
+                }
+            });
+            sleep(Duration::from_millis(20));
+            let is_read = n % 2 == 0;
+            if is_read {
+                pty.start_reading(1000, Duration::from_millis(10));
+            }
+            pty.signal(signal);
+            assert_eq!(pty.wait_for_exit(), code);
+            is_over.store(true, SeqCst);
+            if !is_read {
+                pty.start_reading(1 << 16, Duration::ZERO);
+            }
+        });
         pty.wait_for_output();
-        pty.assert_settings_restored();
-        pty.written().contains(LEAVE)
+        assert!(pty.written().contains(LEAVE), "{signal}, {size} bytes");
+        pty.assert_restored();
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_stuck_donut_seldom_wakes() {
+    let pty = stuck_donut(&[], (80, 24));
+    let wakes = || {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", pty.pid())).unwrap();
+        let (_, count) = status.split_once("\nvoluntary_ctxt_switches:").unwrap();
+        count.lines().next().unwrap().trim().parse::<u32>().unwrap()
     };
-    assert!((0..10).any(restores), "the screen is never restored");
+    sleep(Duration::from_millis(200));
+    let before = wakes();
+    let start = Instant::now();
+    sleep(Duration::from_millis(500));
+    let most = 10 + start.elapsed().as_millis() / 20;
+    assert!(u128::from(wakes() - before) < most, "{} wakes", wakes() - before);
 }
 
 #[test]
