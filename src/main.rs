@@ -94,16 +94,13 @@ use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
 use crossterm::cursor::{Hide, MoveToColumn, Show};
 use crossterm::queue;
 use crossterm::style::{self, Color, ResetColor, SetForegroundColor};
-use crossterm::terminal::{
-    BeginSynchronizedUpdate, Clear, ClearType, EndSynchronizedUpdate, EnterAlternateScreen,
-    LeaveAlternateScreen,
-};
+use crossterm::terminal::{self, ClearType};
 
 // ---- View ----------------------------------------------------------------------------------------
 
 /// The donut's proportions, the size of the picture, and how the donut is projected onto the picture.
 ///
-/// Lengths are in units of the tube's radius, so that R1 is 1. Places in the picture are measured in cells:
+/// Lengths are in radii of the tube, so that R1 is 1. Places in the picture are measured in cells:
 /// the cell in column c and row r reaches from c to c + 1 across, and from r to r + 1 down. The point
 /// (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)` and `y = cy + k1y Y / (Z + K2)`. Nothing is drawn in
 /// column 0, in place of which donut.c prints a newline, or in row 0, which its test `y > 0` leaves out.
@@ -141,9 +138,9 @@ impl View {
     }
 }
 
-/// How large the donut can look. However the donut is rotated, it just fits into its bounding sphere, a sphere
-/// of radius R1 + R2 around its centre. The sphere looks like a circle, and this is the radius of that circle
-/// on a screen at the distance 1.
+/// How large the donut can look. However the donut is rotated, it just fits into its bounding sphere, which
+/// has the radius R1 + R2. The sphere looks like a circle. The result is the radius of that circle on a
+/// screen at the distance 1.
 fn apparent_radius(r2: f64, k2: f64) -> f64 {
     let radius = 1.0 + r2;
     radius / (k2 * k2 - radius * radius).sqrt()
@@ -199,9 +196,8 @@ impl Renderer {
 
     /// Removes the shading from the frame: every glyph becomes the darkest one.
     fn flatten(&mut self) {
-        for cell in self.framebuffer.iter_mut().filter(|cell| **cell != b' ') {
-            *cell = RAMP[0];
-        }
+        let glyphs = self.framebuffer.iter_mut().filter(|cell| **cell != b' ');
+        glyphs.for_each(|glyph| *glyph = RAMP[0]);
     }
 
     /// `classic`: donut.c's double loop over theta and phi.
@@ -426,9 +422,8 @@ impl Torus {
         let sin_squared = 1.0 - fu * fu;
         let p = d0_squared + r2_squared - 1.0 - 2.0 * r2_squared * sin_squared;
         let q = 8.0 * r2_squared * f0 * fu;
-        let r = 4.0
-            * r2_squared
-            * (f0 * f0 - d0_squared * fu * fu - sin_squared * (1.0 - r2_squared * fu * fu));
+        let last = sin_squared * (1.0 - r2_squared * fu * fu);
+        let r = 4.0 * r2_squared * (f0 * f0 - d0_squared * fu * fu - last);
         [p, q, r]
     }
 
@@ -471,21 +466,22 @@ impl Torus {
     ///          ''  -w        w  ''
     /// ```
     ///
-    /// -w and w are the inflections of G, where its second derivative, 12 s^2 + 4 p, is 0. (They need not be
-    /// at s2 and s3.) Between them G is concave, and on either side of them it is convex. So left of -w, G
-    /// falls to 0 at most once, which is s1. If it does not, then right of -w it falls to 0 at most once,
-    /// which is s3. Each of the two is missing where its valley is too shallow, or where there is no such
-    /// valley. If p is not negative, there are no inflections: G is convex, and falls to 0 at most once. Then w
-    /// is taken to be 0, and the root is called s1 if it is negative, and s3 otherwise.
+    /// The inflections of G are at -w and w, where its second derivative, 12 s^2 + 4 p, is 0. (They need
+    /// not be at s2 and s3.) Between them G is concave, and on either side it is convex. So left of -w, G
+    /// falls to 0 at most once: at s1. If it does not, it falls to 0 at most once right of -w: at s3. Each
+    /// of the two is missing if its valley is too shallow, or if G has only the other valley.
+    ///
+    /// If p is not negative, G is convex everywhere. It has no inflections, and w is taken to be 0. G then
+    /// has one valley and falls to 0 at most once: that root counts as s1 if it is negative, and else as
+    /// s3.
     ///
     /// A ray's search for its hit uses Newton's method, which steps from s to the root of the tangent at s.
     /// Where G is convex, it lies above its tangents, so a step from a positive G never passes a root, unless
     /// the step leaves the convex part. Where G is concave, the same holds for a step from a negative G.
     ///
     /// 1. If the ray enters the bounding volume left of -w, the search starts there, and steps right, towards
-    ///    s1. If there is no s1, it comes to a dead end: either G rises, or a step leads to -w or beyond. Such
-    ///    a step is not taken. Instead, the search starts again at w. If the ray enters further right, there
-    ///    is no s1, and the search starts at w.
+    ///    s1. If there is no s1, it comes to a dead end: G rises, or a step would lead to -w or beyond. Then
+    ///    it starts again at w. If the ray enters further right, there is no s1, and the search starts at w.
     /// 2. If G is positive at w, it is positive from -w to w: without an s1, G is not negative at -w, and a
     ///    concave curve lies above its chords. The search steps right, towards s3. If there is no s3, it
     ///    stops where G rises: the ray misses.
@@ -602,18 +598,22 @@ struct Options {
     #[arg(long, help_heading = "Motion", value_name = "DA,DB", verbatim_doc_comment)]
     #[arg(default_value = "0.04,0.02", value_parser = parse_angles)]
     spin: [f64; 2],
-    /// Starting angle about the x axis, in radians
+    /// Angle A of the first frame, in radians
+    ///
+    /// The donut is rotated first by A about the x axis, which points right.
     #[arg(short = 'A', help_heading = "Motion", value_name = "RAD")]
     #[arg(default_value = "0", value_parser = within(ANGLES))]
     a: f64,
-    /// Starting angle about the z axis, in radians
-    #[arg(short = 'B', help_heading = "Motion", value_name = "RAD")]
+    /// Angle B of the first frame, in radians
+    ///
+    /// Then it is rotated by B about the z axis, which points away from you.
+    /// So only the z axis is fixed on the screen: B rotates A's axis, too.
+    #[arg(short = 'B', help_heading = "Motion", value_name = "RAD", verbatim_doc_comment)]
     #[arg(default_value = "0", value_parser = within(ANGLES))]
     b: f64,
-    /// How to draw
-    ///
-    /// By default, classic draws donut.c's own picture and exact every other.
-    #[arg(long, help_heading = "Look", value_enum)]
+    /// How to draw; by default, donut.c's own picture is
+    /// classic, others exact
+    #[arg(long, help_heading = "Look", value_enum, verbatim_doc_comment)]
     method: Option<Method>,
     /// Colour: a name, 0 to 255, or '#rrggbb'
     ///
@@ -639,23 +639,20 @@ struct Options {
     #[arg(long, help_heading = "Size", value_name = "RATIO")]
     #[arg(default_value = "2", value_parser = within(0.1..=10.0))]
     aspect: f64,
-    /// Radius of the tube
+    /// Radius of the ring, in tube radii
     ///
-    /// In any unit, from 0.000001 to 10000.
-    #[arg(long, help_heading = "Geometry", value_name = "R")]
-    #[arg(default_value = "1", value_parser = within(1e-6..=1e4))]
-    r1: f64,
-    /// Radius of the ring, 1.01 to 30 times --r1
-    ///
-    /// The ring is the circle in the middle of the tube, all round the hole.
-    #[arg(long, help_heading = "Geometry", value_name = "R")]
-    #[arg(default_value = "2", value_parser = within(LENGTHS))]
+    /// From 1.01 to 30. The ring is the circle in the middle of the tube, all
+    /// round the hole.
+    #[arg(long, help_heading = "Geometry", value_name = "R", verbatim_doc_comment)]
+    #[arg(default_value = "2", value_parser = within(RING_RADII))]
     r2: f64,
-    /// Distance from you to the centre of the donut
+    /// Distance to the donut's centre, in tube radii
     ///
-    /// At least 1.001 times the sum of --r1 and --r2.
-    #[arg(long, help_heading = "Geometry", value_name = "D")]
-    #[arg(default_value = "5", value_parser = within(LENGTHS))]
+    /// From 1.001 times the sum of 1 and --r2 to 1000000. It changes the
+    /// perspective, not the size: except in donut.c's own picture, the donut
+    /// is as large as it can be without being cut off in any pose.
+    #[arg(long, help_heading = "Geometry", value_name = "D", verbatim_doc_comment)]
+    #[arg(default_value = "5", value_parser = within(2.01201..=1e6))]
     k2: f64,
 }
 
@@ -672,7 +669,8 @@ Examples:
 
 const SIZES: RangeInclusive<u16> = 1..=4096;
 const ANGLES: RangeInclusive<f64> = -1e9..=1e9;
-const LENGTHS: RangeInclusive<f64> = 1e-6..=1e6;
+/// Beyond these, the hole or the tube is too small to see in most pictures.
+const RING_RADII: RangeInclusive<f64> = 1.01..=30.0;
 
 /// A parser for the numbers in a range.
 fn within<T: FromStr + PartialOrd + Display + Clone>(
@@ -680,8 +678,8 @@ fn within<T: FromStr + PartialOrd + Display + Clone>(
 ) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let number = text.parse().ok().filter(|number| range.contains(number));
-        let is_integer = "0.5".parse::<T>().is_err(); // An integer type cannot parse a fraction.
-        let kind = if is_integer { "whole number" } else { "number" };
+        // An integer type cannot parse a fraction.
+        let kind = if "0.5".parse::<T>().is_ok() { "number" } else { "whole number" };
         let (least, most) = (range.start(), range.end());
         number.ok_or_else(|| format!("expected a {kind} from {least} to {most}"))
     }
@@ -708,40 +706,21 @@ fn parse_color(text: &str) -> Result<Color, String> {
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
-/// The range of R2 / R1. Beyond it, the hole or the tube is too small to see in most pictures.
-const RING_RATIOS: RangeInclusive<f64> = 1.01..=30.0;
-/// The least K2 / (R1 + R2). At this distance, a donut seen edge-on already fills 175 degrees of the view.
-const LEAST_DISTANCE_RATIO: f64 = 1.001;
-
-/// Undoes the rounding of a ratio of two lengths, or of a ratio times a length: in f64, 0.35 / 0.07 is
-/// slightly less than 5. If a number with at most six decimals is only a rounding error away, that number was
-/// meant. Without this, exact comparisons with donut.c's proportions and with the limits above would fail.
-fn snap_to_decimal(result: f64) -> f64 {
-    let decimal = (1e6 * result).round() / 1e6;
-    if (result - decimal).abs() < 1e-15 * result { decimal } else { result }
-}
+/// The least K2, in units of 1 + R2. From there, a donut seen edge-on already fills 175 degrees of the view.
+const LEAST_DISTANCE: f64 = 1.001;
 
 impl Options {
-    /// R2 and K2 in units of R1.
-    fn proportions(&self) -> (f64, f64) {
-        (snap_to_decimal(self.r2 / self.r1), snap_to_decimal(self.k2 / self.r1))
-    }
-
     /// What is wrong with options that are allowed one by one, but not together.
     fn conflict(&self) -> Option<String> {
-        let &Options { r1, r2, k2, .. } = self;
-        let (least, most) = (RING_RATIOS.start(), RING_RATIOS.end());
-        if !RING_RATIOS.contains(&self.proportions().0) {
-            let [from, to] = [least, most].map(|ratio| snap_to_decimal(ratio * r1));
-            Some(format!("--r2 is {r2}, but must be {from} to {to}: {least} to {most} times --r1"))
-        } else if snap_to_decimal(k2 / (r1 + r2)) < LEAST_DISTANCE_RATIO {
-            let from = snap_to_decimal(LEAST_DISTANCE_RATIO * (r1 + r2));
-            let rule = format!("{LEAST_DISTANCE_RATIO} times the sum of --r1 and --r2");
-            Some(format!("--k2 is {k2}, but must be at least {from}: {rule}"))
-        } else if self.method == Some(Method::Classic) && self.proportions() != (2.0, 5.0) {
-            // With other proportions, the steps of `classic` could leave gaps: see `angle_steps`.
-            let rule = "--method classic needs --r1, --r2 and --k2 in the ratio 1 : 2 : 5";
-            Some(format!("{rule}, but these are {r1}, {r2} and {k2}"))
+        let &Options { method, r2, k2, .. } = self;
+        // Rounded up to six decimals, so that a user can type what the message shows.
+        let least = (1e6 * LEAST_DISTANCE * (1.0 + r2)).ceil() / 1e6;
+        if k2 < least {
+            let rule = format!("{LEAST_DISTANCE} times the sum of 1 and --r2");
+            Some(format!("--k2 is {k2}, but must be at least {least}: {rule}"))
+        } else if method == Some(Method::Classic) && (r2, k2) != (2.0, 5.0) {
+            // With other radii or from nearer, the steps of `classic` could leave gaps: see `angle_steps`.
+            Some(format!("--method classic needs --r2 2 and --k2 5, but these are {r2} and {k2}"))
         } else {
             None
         }
@@ -758,8 +737,7 @@ impl Options {
                 (self.width.unwrap_or(columns).min(columns), self.height.unwrap_or(rows).min(rows))
             }
         };
-        let (r2, k2) = self.proportions();
-        View::new(width.into(), height.into(), self.aspect, r2, k2)
+        View::new(width.into(), height.into(), self.aspect, self.r2, self.k2)
     }
 
     /// The method that draws the frame with these angles: the one that --method chooses, or else `Classic`
@@ -805,13 +783,12 @@ fn main() -> ExitCode {
         Options::command().error(ErrorKind::ValueValidation, conflict).exit()
     }
     match run(&options) {
-        Ok(()) => ExitCode::SUCCESS,
         // A reader that goes away, as in `donut | head`, has seen enough.
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-        Err(error) => {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             let _ = writeln!(io::stderr(), "donut: {error}");
             ExitCode::FAILURE
         }
+        _ => ExitCode::SUCCESS,
     }
 }
 
@@ -831,11 +808,9 @@ fn play(options: &Options, console: &'static Console) -> io::Result<()> {
     let &Options { fps, frames, spin, a, b, .. } = options;
     // A Duration cannot hold 1 / fps seconds if fps is tiny. 1e9 seconds, nearly 32 years, will do.
     let interval = Duration::from_secs_f64(if fps == 0.0 { 0.0 } else { (1.0 / fps).min(1e9) });
-    let mut due = Instant::now();
-    let mut frame_count = 0;
+    let (mut frame_count, mut due) = (0, Instant::now());
+    let (mut is_paused, mut is_shaded) = (false, true);
     let mut angles = [a, b];
-    let mut is_paused = false;
-    let mut is_shaded = true;
     let mut terminal_size = console.size()?;
     let view = options.view(terminal_size);
     let mut renderer = Renderer::new(view, options.method_for(&view, angles));
@@ -981,16 +956,16 @@ impl Console {
         Ok(())
     }
 
-    /// Enters the terminal, unless the program has entered it already. Returns whether it did so just now, in
-    /// which case the screen has to be cleared. In a pipe, the first call returns true, because donut.c also
-    /// begins by clearing the screen.
+    /// Enters the terminal, unless the program has entered it already. Returns whether it did so just now,
+    /// and the screen has to be cleared. In a pipe, the first call returns true, because donut.c also begins
+    /// by clearing the screen.
     fn enter(&self) -> io::Result<bool> {
         let just_entered = !self.is_entered.swap(true, SeqCst);
         if just_entered && self.is_terminal {
-            system::set_cbreak_mode(&self.file)?;
+            system::set_cbreak_mode(&self.file);
             let mut bytes = Vec::new();
             if self.has_alternate_screen {
-                queue!(bytes, EnterAlternateScreen)?;
+                queue!(bytes, terminal::EnterAlternateScreen)?;
             }
             queue!(bytes, Hide)?;
             self.write(&bytes)?;
@@ -1005,27 +980,24 @@ impl Console {
         }
         let mut bytes = Vec::new();
         // A signal may have cut a frame short, in the middle of a row.
-        queue!(bytes, EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
+        queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
         if self.has_alternate_screen {
-            // After a new size, tmux copies rows of the alternate screen into the shell's, unless it is clear.
-            queue!(bytes, Clear(ClearType::All), LeaveAlternateScreen)?;
+            // After a change of size, tmux would copy rows of the alternate screen into the shell's.
+            queue!(bytes, terminal::Clear(ClearType::All), terminal::LeaveAlternateScreen)?;
         }
         let written = self.write_patiently(bytes);
-        // In the background, the settings are the shell's, and changing them would stop the program.
-        if system::is_in_foreground(&self.file) {
-            system::restore_settings(&self.file);
-        }
+        system::restore_settings(&self.file);
         written
     }
 
     /// Writes what must arrive even if other programs write to the terminal, or if nobody reads it.
     ///
-    /// Linux lets one program at a time write to a terminal. The others queue, but a nonblocking write does
-    /// not: while another program writes without a pause, it always fails. So here a thread does a blocking
-    /// write. If that takes long, and a signal has come, this discards the output that the terminal has not
-    /// taken yet, to make room, and soon gives up.
+    /// Linux lets one program at a time write to a terminal. A blocking write waits for its turn, but a
+    /// nonblocking one fails, and while another program writes without a pause, it fails every time. So here
+    /// a thread does a blocking write. If that takes long, and a signal has come, this makes room: for up to
+    /// a second, it keeps discarding the output that the terminal has not taken yet.
     fn write_patiently(&'static self, bytes: Vec<u8>) -> io::Result<()> {
-        system::set_nonblocking(&self.file, false)?;
+        system::set_nonblocking(&self.file, false);
         let (sender, receiver) = mpsc::channel();
         thread::spawn(move || sender.send((&self.file).write_all(&bytes)));
         let mut result = receiver.recv_timeout(2 * TICK);
@@ -1033,13 +1005,11 @@ impl Console {
         while result.is_err() && tries < 20 {
             if self.is_ending() {
                 tries += 1;
-                if system::is_in_foreground(&self.file) {
-                    system::discard_output(&self.file);
-                }
+                system::discard_output(&self.file);
             }
             result = receiver.recv_timeout(TICK);
         }
-        system::set_nonblocking(&self.file, true)?;
+        system::set_nonblocking(&self.file, true);
         result.unwrap_or(Err(io::ErrorKind::TimedOut.into()))
     }
 
@@ -1048,7 +1018,7 @@ impl Console {
         let mut bytes = Vec::with_capacity(renderer.framebuffer.len() + 100);
         // The terminal holds the output back until the end of the update, so that nobody sees half a frame.
         if self.is_terminal {
-            queue!(bytes, BeginSynchronizedUpdate)?;
+            queue!(bytes, terminal::BeginSynchronizedUpdate)?;
         }
         // donut.c's own codes: to clear the screen, and to move the cursor to its top left corner.
         bytes.extend_from_slice(if clear { b"\x1b[2J\x1b[H" } else { b"\x1b[H" });
@@ -1064,7 +1034,7 @@ impl Console {
             queue!(bytes, ResetColor)?;
         }
         if self.is_terminal {
-            queue!(bytes, EndSynchronizedUpdate)?;
+            queue!(bytes, terminal::EndSynchronizedUpdate)?;
         }
         self.write(&bytes)
     }
@@ -1072,17 +1042,13 @@ impl Console {
     /// Writes all bytes, and waits while there is no room for them. A terminal whose window hangs may never
     /// have room again, so this gives up once a signal has come.
     fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
-        let mut pause = Duration::from_millis(1);
+        let mut pause = Duration::ZERO;
         while !bytes.is_empty() {
             match (&self.file).write(bytes) {
-                Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
-                Ok(count) => {
-                    bytes = &bytes[count..];
-                    pause = Duration::from_millis(1);
-                }
+                Ok(count) => (bytes, pause) = (&bytes[count..], Duration::ZERO),
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock && !self.is_ending() => {
+                    pause = TICK.min(2 * pause + Duration::from_millis(1));
                     thread::sleep(pause);
-                    pause = TICK.min(2 * pause);
                 }
                 Err(error) => return Err(error),
             }
@@ -1113,10 +1079,7 @@ mod system {
     use rustix::fs::{self, Mode, OFlags};
     use rustix::io::Errno;
     use rustix::process::{Signal, getpgrp, kill_current_process_group};
-    use rustix::termios::{
-        self, Action, InputModes, LocalModes, OptionalActions, OutputModes, QueueSelector,
-        SpecialCodeIndex, Termios,
-    };
+    use rustix::termios::{self, InputModes, LocalModes, OutputModes, SpecialCodeIndex, Termios};
     use signal_hook::consts::{SIGCONT, SIGHUP, SIGQUIT, SIGTERM};
     use signal_hook::{flag, low_level};
     use std::io::{IsTerminal, Read};
@@ -1150,17 +1113,16 @@ mod system {
         Ok((stdout.as_fd().try_clone_to_owned()?.into(), false))
     }
 
-    pub fn set_nonblocking(terminal: &File, is_nonblocking: bool) -> io::Result<()> {
+    pub fn set_nonblocking(terminal: &File, is_nonblocking: bool) {
         let flags = if is_nonblocking { OFlags::NONBLOCK } else { OFlags::empty() };
-        Ok(fs::fcntl_setfl(terminal, flags)?)
+        let _ = fs::fcntl_setfl(terminal, flags);
     }
 
     pub fn catch_signals(console: &Console) -> io::Result<()> {
         for signal in [SIGTERM, SIGHUP, SIGQUIT] {
             flag::register_usize(signal, console.end_signal.clone(), signal as usize)?;
         }
-        flag::register(SIGCONT, console.was_continued.clone())?;
-        Ok(())
+        flag::register(SIGCONT, console.was_continued.clone()).map(drop)
     }
 
     /// Ends the program by this signal.
@@ -1197,8 +1159,10 @@ mod system {
     /// Sets cbreak mode. OPOST and ONLCR make `\n` a carriage return and a newline. Ctrl-C and Ctrl-\ still
     /// send signals, so that they work while the terminal takes no output. Without IEXTEN and IXON, Ctrl-V,
     /// Ctrl-S and the like are ordinary keys.
-    pub fn set_cbreak_mode(terminal: &File) -> io::Result<()> {
-        let settings = termios::tcgetattr(terminal)?;
+    ///
+    /// If the terminal is gone, this fails, and `size` reports it.
+    pub fn set_cbreak_mode(terminal: &File) {
+        let Ok(settings) = termios::tcgetattr(terminal) else { return };
         let mut changed = SETTINGS.get_or_init(|| settings).clone();
         changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO | LocalModes::IEXTEN;
         changed.input_modes -= InputModes::IXON;
@@ -1208,21 +1172,24 @@ mod system {
         // Ctrl-C. The system looks for an interrupt first, so Ctrl-C still interrupts.
         let interrupt = changed.special_codes[SpecialCodeIndex::VINTR];
         changed.special_codes[SpecialCodeIndex::VSUSP] = interrupt;
-        Ok(termios::tcsetattr(terminal, OptionalActions::Now, &changed)?)
+        let _ = termios::tcsetattr(terminal, termios::OptionalActions::Now, &changed);
     }
 
+    /// Restores the terminal's settings, but not in the background, where they are the shell's.
     pub fn restore_settings(terminal: &File) {
-        if let Some(settings) = SETTINGS.get() {
-            let _ = termios::tcsetattr(terminal, OptionalActions::Now, settings);
+        if let Some(settings) = SETTINGS.get().filter(|_| is_in_foreground(terminal)) {
+            let _ = termios::tcsetattr(terminal, termios::OptionalActions::Now, settings);
         }
     }
 
-    /// Discards the output that the terminal has not taken yet. That alone does not wake a program that waits
-    /// for room; stopping and starting the output does.
+    /// Discards the output that the terminal has not taken yet, but not in the background, where that would
+    /// stop the program. It does not wake the programs that wait for room; restarting the output does.
     pub fn discard_output(terminal: &File) {
-        let _ = termios::tcflush(terminal, QueueSelector::OFlush);
-        let _ = termios::tcflow(terminal, Action::OOff);
-        let _ = termios::tcflow(terminal, Action::OOn);
+        if is_in_foreground(terminal) {
+            let _ = termios::tcflush(terminal, termios::QueueSelector::OFlush);
+            let _ = termios::tcflow(terminal, termios::Action::OOff);
+            let _ = termios::tcflow(terminal, termios::Action::OOn);
+        }
     }
 
     /// The pressed keys that send a single byte.
@@ -1285,14 +1252,8 @@ mod system {
         crossterm::terminal::size()
     }
 
-    pub fn set_cbreak_mode(_: &File) -> io::Result<()> {
-        Ok(())
-    }
-
-    pub fn set_nonblocking(_: &File, _: bool) -> io::Result<()> {
-        Ok(())
-    }
-
+    pub fn set_nonblocking(_: &File, _: bool) {}
+    pub fn set_cbreak_mode(_: &File) {}
     pub fn restore_settings(_: &File) {}
     pub fn discard_output(_: &File) {}
 

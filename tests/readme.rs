@@ -172,7 +172,8 @@ fn drift() -> Vec<(f64, f64)> {
 }
 
 /// Words of the README, with `#` in place of a figure, and the figure's value. The figure must be this
-/// value, rounded to as many decimals as the README gives it.
+/// value, rounded to as many decimals as the README gives it. After "about" it may be a tenth more or less,
+/// because times differ from one run to the next.
 fn figures() -> Vec<(&'static str, f64)> {
     let [one_shade, more_shades, holes, rim] =
         ["one shade off", "more shades off", "holes", "extra outline"].map(wrong_in_classic);
@@ -190,7 +191,7 @@ fn figures() -> Vec<(&'static str, f64)> {
             "exact is about # times as fast as a literal translation",
             times_as_fast("exact", "donut.c as written"),
         ),
-        ("and about # times as fast as the closed form", times_as_fast("exact", "closed form f64")),
+        ("about # times as fast as the closed form", times_as_fast("exact", "closed form f64")),
         ("Classic is about # times as fast", times_as_fast("classic x1", "donut.c as written")),
         ("in #% of the donut's cells", one_shade + more_shades + holes),
         ("adds a rim, another #%", rim),
@@ -213,7 +214,8 @@ fn the_readmes_figures_are_those_measured() {
         let figure = found.next().unwrap_or_else(|| panic!("the README does not say {words:?}"));
         let decimals = figure.split_once('.').map_or(0, |(_, decimals)| decimals.len());
         let current = format!("{value:.decimals$}");
-        if figure != current {
+        let off = (figure.parse::<f64>().unwrap() / value - 1.0).abs();
+        if figure != current && !(before.ends_with("about ") && off < 0.1) {
             stale.push(format!("{words}: {current}, not {figure}"));
         }
     }

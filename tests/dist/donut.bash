@@ -23,7 +23,7 @@ _donut() {
 
     case "${cmd}" in
         donut)
-            opts="-A -B -h -V --fps --frames --spin --method --color --width --height --aspect --r1 --r2 --k2 --help --version"
+            opts="-A -B -h -V --fps --frames --spin --method --color --width --height --aspect --r2 --k2 --help --version"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -93,13 +93,6 @@ _donut() {
                     return 0
                     ;;
                 --aspect)
-                    COMPREPLY=("${cur}")
-                    if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
-                        compopt -o nospace
-                    fi
-                    return 0
-                    ;;
-                --r1)
                     COMPREPLY=("${cur}")
                     if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
                         compopt -o nospace

@@ -2,9 +2,9 @@ complete -c donut -f
 complete -c donut -l fps -d 'Frames per second; 0 means no limit' -r -f
 complete -c donut -l frames -d 'Stop after N frames; the last one stays on the screen' -r -f
 complete -c donut -l spin -d 'Rotation per frame, in radians' -r -f
-complete -c donut -s A -d 'Starting angle about the x axis, in radians' -r -f
-complete -c donut -s B -d 'Starting angle about the z axis, in radians' -r -f
-complete -c donut -l method -d 'How to draw' -r -f -a "classic\t'As donut.c does: plot many points, and let the nearest win'
+complete -c donut -s A -d 'Angle A of the first frame, in radians' -r -f
+complete -c donut -s B -d 'Angle B of the first frame, in radians' -r -f
+complete -c donut -l method -d 'How to draw; by default, donut.c\'s own picture is classic, others exact' -r -f -a "classic\t'As donut.c does: plot many points, and let the nearest win'
 exact\t'Follow a ray through the middle of each character'"
 complete -c donut -l color -d 'Colour: a name, 0 to 255, or \'#rrggbb\'' -r -f -a "black\t''
 dark_grey\t''
@@ -25,8 +25,7 @@ dark_cyan\t''"
 complete -c donut -l width -d 'Columns [default: all, or 80 in a pipe]' -r -f
 complete -c donut -l height -d 'Rows [default: all but 2, or 22 in a pipe]' -r -f
 complete -c donut -l aspect -d 'Height of a cell divided by its width' -r -f
-complete -c donut -l r1 -d 'Radius of the tube' -r -f
-complete -c donut -l r2 -d 'Radius of the ring, 1.01 to 30 times --r1' -r -f
-complete -c donut -l k2 -d 'Distance from you to the centre of the donut' -r -f
+complete -c donut -l r2 -d 'Radius of the ring, in tube radii' -r -f
+complete -c donut -l k2 -d 'Distance to the donut\'s centre, in tube radii' -r -f
 complete -c donut -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c donut -s V -l version -d 'Print version'

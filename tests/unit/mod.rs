@@ -42,7 +42,7 @@ fn fitted(width: usize, height: usize) -> View {
 
 /// The oracle for the donut of this view, turned by A and B.
 fn oracle_of(view: &View, a: f64, b: f64) -> Oracle {
-    Oracle::new(1.0, view.r2, view.k2, a, b)
+    Oracle::new(view.r2, view.k2, a, b)
 }
 
 /// The direction (dx, dy, 1) of the ray through a point of the screen.

@@ -18,9 +18,8 @@
 //! - the next glyph, where 8 L is less than 1e-11 below a whole number,
 //! - what some other tube shows, thinner or thicker by at most 1e-13 (R1 + R2).
 
-/// A torus turned and seen from `k2` away, in any unit of length.
+/// A rotated torus, seen from `k2` away. Lengths are in radii of the tube.
 pub struct Oracle {
-    pub r1: f64,
     pub r2: f64,
     pub k2: f64,
     /// The torus's own axes in view space; the third is its axis of revolution.
@@ -37,20 +36,20 @@ pub fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {
 }
 
 impl Oracle {
-    /// A torus turned as in donut.c: about x by A, then about z by B.
-    pub fn new(r1: f64, r2: f64, k2: f64, a: f64, b: f64) -> Oracle {
+    /// A torus rotated as in donut.c: about x by A, then about z by B.
+    pub fn new(r2: f64, k2: f64, a: f64, b: f64) -> Oracle {
         let (sin_a, cos_a, sin_b, cos_b) = (a.sin(), a.cos(), b.sin(), b.cos());
         let axes = [
             [cos_b, sin_b, 0.0],
             [-cos_a * sin_b, cos_a * cos_b, sin_a],
             [sin_a * sin_b, -sin_a * cos_b, cos_a],
         ];
-        Oracle { r1, r2, k2, axes }
+        Oracle { r2, k2, axes }
     }
 
     /// 8 L at the first hit of the ray in the direction (dx, dy, 1), or nothing.
     pub fn look(&self, dx: f64, dy: f64) -> Option<f64> {
-        self.look_at_tube(self.r1, dx, dy)
+        self.look_at_tube(1.0, dx, dy)
     }
 
     /// What `look` would see with a tube of another radius.
@@ -83,8 +82,8 @@ impl Oracle {
 
     /// What the ray sees with tubes that are a little thinner or thicker.
     fn blurred(&self, dx: f64, dy: f64) -> Vec<Option<f64>> {
-        let blur = GRAZE_TIE * (self.r1 + self.r2);
-        let (mut thin, mut thick) = (self.r1 - blur, self.r1 + blur);
+        let blur = GRAZE_TIE * (1.0 + self.r2);
+        let (mut thin, mut thick) = (1.0 - blur, 1.0 + blur);
         let look = |r1| self.look_at_tube(r1, dx, dy);
         let thinnest = look(thin);
         let mut lights = vec![thinnest, look(thick)];

@@ -119,6 +119,7 @@ fn methods(scale: usize) -> Vec<NamedMethod> {
     // still about a cell apart.
     let own = 1.0 / scale as f64;
     methods.extend([
+        tracing("exact one ray at a time", view, Torus::first_hits::<1>),
         steps("classic x4", 4.0 * own),
         steps("classic x2", 2.0 * own),
         steps("classic x1/2", 0.5 * own),

@@ -157,9 +157,9 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
         dots.iter().filter(|dot| dot.0.starts_with(start)).map(|dot| dot.1).collect()
     };
     // Several names begin with "classic x1", and "classic x1" itself is the first of them.
-    let [exact, classic, literal] =
-        ["exact", "classic x1", "donut.c"].map(|name| starting_with(name)[0]);
-    let title = "Exact is the fastest method without a wrong cell";
+    let [exact, one_by_one, classic, literal] =
+        ["exact", "exact one", "classic x1", "donut.c"].map(|name| starting_with(name)[0]);
+    let title = "Eight rays at a time, exact is fastest with no wrong cell";
     let y_title = "wrong cells, as % of the donut's cells (cube-root scale)";
     let x_title = "time of a frame in µs, at 80x22 (logarithmic scale)";
     let times = [10.0, 30.0, 100.0, 300.0, 1000.0];
@@ -187,16 +187,18 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
                 panel.label(at, (0, -13), Center, name, &GREY)?;
             }
         }
-        for (at, radius, below, name, color) in [
-            (classic, 6, 18, "classic", ORANGE),
-            (literal, 6, 18, "literal donut.c", INK),
-            (exact, 8, 18, "exact", GREEN),
+        for (at, radius, name, color) in [
+            (classic, 6, "classic", ORANGE),
+            (literal, 6, "literal donut.c", INK),
+            (exact, 8, "exact", GREEN),
         ] {
             panel.dot(at, radius, &color)?;
             let decimals = usize::from(at.0 < 100.0);
             let name = format!("{name}, {:.decimals$} µs", at.0);
-            panel.label(at, (0, below), Center, &name, &color)?;
+            panel.label(at, (0, 18), Center, &name, &color)?;
         }
+        panel.dot(one_by_one, 4, &GREEN)?;
+        panel.label(one_by_one, (-2, 16), Left, "exact, one ray at a time", &GREEN)?;
 
         let tracing = starting_with("sphere tracing ");
         panel.line(&tracing, BLUE.stroke_width(2))?;
@@ -210,7 +212,7 @@ pub fn speed_and_accuracy(dots: &[(&str, (f64, f64))]) -> Result<String> {
         for &at in &closed {
             panel.dot(at, 3, &PURPLE)?;
         }
-        panel.label(closed[1], (9, 1), Left, "closed form, f32 and f64", &PURPLE)?;
+        panel.label(closed[1], (16, 0), Left, "closed form, f32 and f64", &PURPLE)?;
 
         // An arrow towards less time and fewer wrong cells.
         let [tail, head] = [(9.3, 0.25), (6.0, 0.02)];
