@@ -317,29 +317,34 @@ fn a_full_disk_gives_one_line_of_message_and_exit_code_1() {
 #[test]
 fn in_a_file_signals_have_their_default_action() {
     use portable_pty::{CommandBuilder, PtySize, native_pty_system};
+    use rustix::process::{Pid, Signal, kill_process};
     use std::fs;
-    for (name, description) in
-        [("HUP", "Hangup"), ("INT", "Interrupt"), ("QUIT", "Quit"), ("TERM", "Terminated")]
-    {
-        let file = format!("{}/signal-{name}", env!("CARGO_TARGET_TMPDIR"));
+    for (signal, description) in [
+        (Signal::HUP, "Hangup"),
+        (Signal::INT, "Interrupt"),
+        (Signal::QUIT, "Quit"),
+        (Signal::TERM, "Terminated"),
+    ] {
+        let file = format!("{}/{description}", env!("CARGO_TARGET_TMPDIR"));
         let _ = fs::remove_file(&file);
         // This test may run in the background of a script, where SIGINT is ignored, and the program
         // would inherit that. So it is started by portable-pty, which first gives the four signals
         // their default action.
-        let pty = native_pty_system().openpty(PtySize::default()).unwrap();
+        let pty = native_pty_system().openpty(PtySize::default()).expect("a pseudo-terminal");
         let mut shell = CommandBuilder::new("sh");
+        shell.cwd("/");
         shell.args(["-c", r#"ulimit -c 0; exec "$0" > "$1""#, DONUT, &file]);
         let mut child = pty.slave.spawn_command(shell).unwrap();
         let is_drawing = || fs::metadata(&file).is_ok_and(|file| file.len() > 1000);
         assert!(becomes_true(is_drawing), "the program draws nothing");
-        let process = child.process_id().unwrap().to_string();
-        assert!(Command::new("kill").args(["-s", name, &process]).status().unwrap().success());
+        let process = Pid::from_raw(child.process_id().unwrap() as i32).unwrap();
+        kill_process(process, signal).unwrap();
         if !becomes_true(|| child.try_wait().unwrap().is_some()) {
             child.kill().unwrap();
-            panic!("SIG{name} does not end the program");
+            panic!("{signal:?} does not end the program");
         }
         let status = child.wait().unwrap();
-        assert!(status.signal().unwrap().starts_with(description), "SIG{name}: {status:?}");
+        assert!(status.signal().unwrap().starts_with(description), "{signal:?}: {status:?}");
         fs::remove_file(&file).unwrap();
     }
 }

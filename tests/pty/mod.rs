@@ -11,6 +11,8 @@ use std::time::{Duration, Instant};
 
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, SlavePty, native_pty_system};
 use rustix::fs::{self, Mode, OFlags};
+use rustix::process::{Pid, Signal, kill_process, kill_process_group};
+use rustix::termios::{self, ControlModes, InputModes, LocalModes, OutputModes, SpecialCodeIndex};
 use vt100::{Parser, Screen};
 
 /// How long to wait for something that has to happen, even on a busy machine.
@@ -24,13 +26,43 @@ pub struct Pty {
     child: RefCell<Box<dyn Child + Send + Sync>>,
     keys: Option<Arc<Mutex<dyn Write + Send>>>,
     seen: Arc<Mutex<Seen>>,
-    /// The terminal's settings before the program started, as text.
-    settings: String,
+    /// The terminal's settings before the program started.
+    settings: Settings,
 }
 
 struct Seen {
     terminal: Parser,
     bytes: Vec<u8>,
+}
+
+/// A terminal's modes (for input, output, control and local), and its special characters.
+type Settings = (InputModes, OutputModes, ControlModes, LocalModes, [u8; 8]);
+
+fn settings(terminal: &File) -> Settings {
+    use SpecialCodeIndex as Code;
+    let now = termios::tcgetattr(terminal).unwrap();
+    // There are more special characters, but not all of them are set on each system.
+    let codes = [
+        Code::VINTR,
+        Code::VQUIT,
+        Code::VSUSP,
+        Code::VEOF,
+        Code::VERASE,
+        Code::VKILL,
+        Code::VSTART,
+        Code::VSTOP,
+    ];
+    let codes = codes.map(|code| now.special_codes[code]);
+    (now.input_modes, now.output_modes, now.control_modes, now.local_modes, codes)
+}
+
+fn tty_name(master: &dyn MasterPty) -> String {
+    master.tty_name().unwrap().to_str().unwrap().to_string()
+}
+
+fn open(path: &str, flags: OFlags) -> File {
+    // Without NOCTTY, this could become the terminal that the tests themselves are run from.
+    fs::open(path, flags | OFlags::RDWR | OFlags::NOCTTY, Mode::empty()).unwrap().into()
 }
 
 fn rows_and_columns((columns, rows): (u16, u16)) -> (NonZeroU16, NonZeroU16) {
@@ -39,13 +71,6 @@ fn rows_and_columns((columns, rows): (u16, u16)) -> (NonZeroU16, NonZeroU16) {
 
 fn pty_size((cols, rows): (u16, u16)) -> PtySize {
     PtySize { rows, cols, ..PtySize::default() }
-}
-
-/// Sends a signal to a process, or to a group of them: then its number is negative.
-#[track_caller]
-pub fn kill(signal: &str, process: &str) {
-    let status = Command::new("kill").args(["-s", signal, "--", process]).status();
-    assert!(status.unwrap().success());
 }
 
 impl Pty {
@@ -93,10 +118,14 @@ impl Pty {
 
     /// Runs a program on a terminal that does not read its output, until `start_reading` is called.
     pub fn run_unread(program: &str, arguments: &[&str], size: (u16, u16), term: &str) -> Pty {
-        let pair = native_pty_system().openpty(pty_size(size)).unwrap();
-        let settings = format!("{:?}", pair.master.get_termios().unwrap());
+        let pair = native_pty_system().openpty(pty_size(size)).unwrap_or_else(|error| {
+            panic!("this test needs a pseudo-terminal, and this machine gives it none: {error}")
+        });
+        let settings = settings(&open(&tty_name(&*pair.master), OFlags::empty()));
         let mut command = CommandBuilder::new(program);
         command.args(arguments);
+        // By default, this would be the home folder, which a build machine may lack.
+        command.cwd("/");
         // The shells have to speak English, and must not write to anybody's history.
         for (name, value) in [("TERM", term), ("LC_ALL", "C"), ("HISTFILE", "")] {
             command.env(name, value);
@@ -151,19 +180,25 @@ impl Pty {
         self.master = None;
     }
 
-    pub fn pid(&self) -> u32 {
-        self.child.borrow().process_id().unwrap()
+    pub fn pid(&self) -> Pid {
+        Pid::from_raw(self.child.borrow().process_id().unwrap() as i32).unwrap()
     }
 
     /// Sends a signal to the program's process group.
-    pub fn signal(&self, name: &str) {
-        kill(name, &format!("-{}", self.pid()));
+    #[track_caller]
+    pub fn signal(&self, signal: Signal) {
+        kill_process_group(self.pid(), signal).unwrap();
     }
 
     /// What `ps` says in one column about the process that the program runs: for a shell, its job.
     /// `None` if this process has ended.
     fn ps_column_of_job(&self, column: &str) -> Option<String> {
-        let parent = self.pid().to_string();
+        self.ps_column_of_child(self.pid(), column)
+    }
+
+    /// What `ps` says in one column about the child of this process, or `None` if it has no child.
+    fn ps_column_of_child(&self, parent: Pid, column: &str) -> Option<String> {
+        let parent = parent.as_raw_pid().to_string();
         let path = self.path();
         let terminal = path.strip_prefix("/dev/").unwrap();
         let columns = ["-t", terminal, "-o", "ppid=", "-o", "state=", "-o", column];
@@ -176,9 +211,14 @@ impl Pty {
         })
     }
 
+    /// The child of this process. `None` if it has ended.
+    pub fn child_pid(&self, parent: Pid) -> Option<Pid> {
+        Pid::from_raw(self.ps_column_of_child(parent, "pid=")?.parse().unwrap())
+    }
+
     /// The process that the program runs. `None` if it has ended.
-    pub fn job_pid(&self) -> Option<String> {
-        self.ps_column_of_job("pid=")
+    pub fn job_pid(&self) -> Option<Pid> {
+        self.child_pid(self.pid())
     }
 
     /// Whether the process that the program runs has a handler for SIGTERM.
@@ -200,29 +240,24 @@ impl Pty {
     }
 
     /// Sends a signal to the process that the program runs, and to no other.
-    pub fn signal_job(&self, name: &str) {
-        kill(name, &self.job_pid().expect("a job"));
+    #[track_caller]
+    pub fn signal_job(&self, signal: Signal) {
+        kill_process(self.job_pid().expect("a job"), signal).unwrap();
     }
 
     pub fn path(&self) -> String {
-        self.master().tty_name().unwrap().to_str().unwrap().to_string()
+        tty_name(self.master())
     }
 
     /// Opens the terminal as another program would.
     pub fn open(&self) -> File {
-        self.open_with(OFlags::empty())
-    }
-
-    fn open_with(&self, flags: OFlags) -> File {
-        // Without NOCTTY, this could become the terminal that the tests themselves are run from.
-        let flags = flags | OFlags::RDWR | OFlags::NOCTTY;
-        fs::open(self.path(), flags, Mode::empty()).unwrap().into()
+        open(&self.path(), OFlags::empty())
     }
 
     /// Waits until the program has written all that the terminal holds while nobody reads it.
     #[track_caller]
     pub fn wait_until_full(&self) {
-        let terminal = self.open_with(OFlags::NONBLOCK);
+        let terminal = open(&self.path(), OFlags::NONBLOCK);
         // A terminal that is full takes no more NULs, which do not show, either.
         self.wait_for("a full terminal", |_| (&terminal).write(&[0]).is_err());
     }
@@ -308,15 +343,11 @@ impl Pty {
 
     #[track_caller]
     pub fn assert_settings_restored(&self) {
-        assert_eq!(self.settings_now(), self.settings);
+        assert_eq!(settings(&self.open()), self.settings);
     }
 
     pub fn has_changed_settings(&self) -> bool {
-        self.settings_now() != self.settings
-    }
-
-    fn settings_now(&self) -> String {
-        format!("{:?}", self.master().get_termios().unwrap())
+        settings(&self.open()) != self.settings
     }
 }
 
