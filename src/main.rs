@@ -29,8 +29,8 @@
 //!
 //! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps of
 //! 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one sample: a
-//! point of the surface, and the normal there, which is the direction that the surface faces. The point is at
-//! the distance h from the axis, and at the distance f from the plane of the ring:
+//! point of the surface, and the normal there, a vector of length 1 in the direction that the surface faces.
+//! The point is at the distance h from the axis, and at the distance f from the plane of the ring:
 //! ```text
 //! h = R2 + R1 cos theta      point   (h cos phi, h sin phi, f)
 //! f = R1 sin theta           normal  (cos theta cos phi, cos theta sin phi, sin theta)
@@ -50,7 +50,8 @@
 //! and in some poses the lowest part of the donut is cut off.
 //!
 //! **The z-buffer.** Many samples fall into the same cell, and the cell shows the nearest of them. To find
-//! it, a z-buffer keeps the largest 1/z so far for each cell.
+//! it, a z-buffer keeps the largest 1/z so far for each cell. (The perspective needs 1/z anyway, and 0 can
+//! stand for infinitely far away.)
 //!
 //! **Luminance.** The cell shows how bright its sample is. The luminance L is the dot product of the normal
 //! and the vector (0, -1, -1), which points at the light, above and behind the viewer. This vector is sqrt 2
@@ -102,8 +103,10 @@ use crossterm::terminal::{self, ClearType};
 ///
 /// Lengths are in radii of the tube, so that R1 is 1. Places in the picture are measured in cells:
 /// the cell in column c and row r reaches from c to c + 1 across, and from r to r + 1 down. The point
-/// (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)` and `y = cy + k1y Y / (Z + K2)`. Nothing is drawn in
-/// column 0, in place of which donut.c prints a newline, or in row 0, which its test `y > 0` leaves out.
+/// (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)` and `y = cy + k1y Y / (Z + K2)`.
+///
+/// Nothing is drawn in column 0 or in row 0. In place of column 0, donut.c prints a newline, and its test
+/// `y > 0` leaves out row 0.
 #[derive(Clone, Copy, PartialEq)]
 struct View {
     r2: f64,
@@ -221,7 +224,8 @@ impl Renderer {
         // slices tell it that the tables are equally long, which saves the bounds checks.
         let phi_count = sin_phis.len();
         let (sin_phis, cos_phis) = (&sin_phis[..phi_count], &cos_phis[..phi_count]);
-        let [mut ooz, mut x, mut y] = [(); 3].map(|_| vec![0.0; phi_count]);
+        let (mut x, mut y, mut ooz) =
+            (vec![0.0; phi_count], vec![0.0; phi_count], vec![0.0; phi_count]);
         let mut indices = vec![0; phi_count];
         for (&sin_theta, &cos_theta) in sin_thetas.iter().zip(cos_thetas.iter()) {
             let h = cos_theta + r2;
@@ -239,8 +243,7 @@ impl Renderer {
                 indices[i] = floor(x[i]) + width as u32 * floor(y[i]);
             }
             for i in 0..phi_count {
-                let index = indices[i] as usize;
-                let (sin_phi, cos_phi) = (sin_phis[i], cos_phis[i]);
+                let (index, sin_phi, cos_phi) = (indices[i] as usize, sin_phis[i], cos_phis[i]);
                 if self.zbuffer[index] < ooz[i] {
                     self.zbuffer[index] = ooz[i];
                     // The dot product of the rotated normal and (0, -1, -1).
@@ -267,8 +270,8 @@ impl Renderer {
         let radius = apparent_radius(r2, k2);
         for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
             let dy = (row as f64 + 0.5 - cy) / k1y;
-            // Only the cells in the circle of the bounding sphere can show the donut. (Row 0 is skipped, and
-            // column 0 stays blank because every ray through it misses.)
+            // Only the cells in the circle of the bounding sphere can show the donut. (Row 0 is skipped.
+            // Rays through column 0 miss, because `View` leaves it free.)
             let half_width = (radius * radius - dy * dy).max(0.0).sqrt() * k1x;
             let end = width.min((cx + half_width) as usize + 1);
             for column in ((cx - half_width) as usize..end).step_by(N) {
@@ -292,8 +295,8 @@ impl Renderer {
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
-/// gaps. (At A = B = pi/2, donut.c's own picture has a few.) Where the donut is drawn n times as large, in
-/// columns or in rows, whichever is more, each step is divided by n.
+/// gaps. (At A = B = pi/2, donut.c's own picture has a few.) If the donut is enlarged, in columns by one
+/// factor and in rows by another, each step is divided by the larger factor.
 fn angle_steps(view: &View) -> [f64; 2] {
     let scale = f64::min(View::DONUT_C.k1x / view.k1x, View::DONUT_C.k1y / view.k1y).min(1.0);
     [0.07 * scale, 0.02 * scale]
@@ -353,21 +356,21 @@ const TIE_BIAS: f64 = 1e-12;
 /// ```text
 /// |P|^2 = d0^2 + s^2    the square of the distance from the centre
 /// f     = f0 + fu s     the distance from the plane of the ring, negative on one side
-/// e     = e0 + eu s     the dot product of P and (0, -1, -1), the vector to the light
+/// P.l   = l0 + lu s     the dot product with l = (0, -1, -1), the vector to the light
 /// ```
 #[derive(Clone, Copy, Debug)]
 struct Ray {
     d0_squared: f64,
     f0: f64,
     fu: f64,
-    e0: f64,
-    eu: f64,
+    l0: f64,
+    lu: f64,
 }
 
 /// The donut of one frame.
 struct Torus {
     r2: f64,
-    /// The axis of revolution, of length 1, after the rotations by A and B.
+    /// The axis of revolution: the vector (0, 0, 1), rotated by A and B.
     axis: [f64; 3],
 }
 
@@ -389,8 +392,8 @@ impl Torus {
             d0_squared: k2 * depth * tan_squared,
             f0: depth * (dx * nx + dy * ny - tan_squared * nz),
             fu: cos * (dx * nx + dy * ny + nz),
-            e0: depth * (tan_squared - dy),
-            eu: -cos * (dy + 1.0),
+            l0: depth * (tan_squared - dy),
+            lu: -cos * (dy + 1.0),
         }
     }
 
@@ -418,12 +421,13 @@ impl Torus {
         let r2_squared = self.r2 * self.r2;
         // fu is the cosine of the angle between the ray and the axis. Where the ray looks through a nearly
         // closed hole, fu is nearly 1 or -1, and p and r are small differences of larger terms. Computing
-        // 1 - fu^2, the square of the sine, first keeps more of their digits. So does r's second form.
+        // 1 - fu^2, the square of the sine, first keeps more of their digits. For the same reason, r is
+        // computed in its second form.
         let sin_squared = 1.0 - fu * fu;
         let p = d0_squared + r2_squared - 1.0 - 2.0 * r2_squared * sin_squared;
         let q = 8.0 * r2_squared * f0 * fu;
-        let last = sin_squared * (1.0 - r2_squared * fu * fu);
-        let r = 4.0 * r2_squared * (f0 * f0 - d0_squared * fu * fu - last);
+        let sin_term = sin_squared * (1.0 - r2_squared * fu * fu);
+        let r = 4.0 * r2_squared * (f0 * f0 - d0_squared * fu * fu - sin_term);
         [p, q, r]
     }
 
@@ -439,19 +443,19 @@ impl Torus {
         sphere.max(planes)
     }
 
-    /// The luminance L where the ray hits: the dot product of the normal and the vector to the light. With
-    /// the axis n, and with m, the dot product of n and the vector to the light:
+    /// The luminance L where the ray hits: the dot product of the normal and l, the vector to the light. With
+    /// n for the axis:
     /// ```text
-    /// normal = (P - f n) (1 - R2 / h) + f n      on the surface, h = (|P|^2 + R2^2 - 1) / (2 R2)
-    /// L      = (e - f m) (1 - R2 / h) + f m
+    /// normal = (P - f n) (1 - R2 / h) + f n          on the surface, h = (|P|^2 + R2^2 - 1) / (2 R2)
+    /// L      = (P.l - f n.l) (1 - R2 / h) + f n.l
     /// ```
     fn luminance(&self, ray: &Ray, s: f64) -> f64 {
         let r2_squared = self.r2 * self.r2;
-        let m = -(self.axis[1] + self.axis[2]);
         let f = ray.f0 + ray.fu * s;
-        let e = ray.e0 + ray.eu * s;
+        let p_dot_l = ray.l0 + ray.lu * s;
+        let n_dot_l = -(self.axis[1] + self.axis[2]);
         let radial = 1.0 - 2.0 * r2_squared / (ray.d0_squared + s * s + r2_squared - 1.0);
-        (e - f * m) * radial + f * m
+        (p_dot_l - f * n_dot_l) * radial + f * n_dot_l
     }
 
     /// The s of each ray's first hit, or `MISS`.
@@ -466,14 +470,13 @@ impl Torus {
     ///          ''  -w        w  ''
     /// ```
     ///
-    /// The inflections of G are at -w and w, where its second derivative, 12 s^2 + 4 p, is 0. (They need
-    /// not be at s2 and s3.) Between them G is concave, and on either side it is convex. So left of -w, G
-    /// falls to 0 at most once: at s1. If it does not, it falls to 0 at most once right of -w: at s3. Each
-    /// of the two is missing if its valley is too shallow, or if G has only the other valley.
+    /// The inflections of G are at -w and w, where its second derivative, 12 s^2 + 4 p, is 0. (They need not
+    /// be at s2 and s3.) Between them G is concave, and on either side it is convex. Coming from the left, G
+    /// can fall to 0 once before -w, at s1. If it does not, it is still positive at -w, and can fall to 0
+    /// once after -w, at s3. Where both valleys are too shallow, or the only one, the ray misses.
     ///
-    /// If p is not negative, G is convex everywhere. It has no inflections, and w is taken to be 0. G then
-    /// has one valley and falls to 0 at most once: that root counts as s1 if it is negative, and else as
-    /// s3.
+    /// If p is not negative, G is convex everywhere. It has no inflections, one valley, and w is taken to be
+    /// 0. Where G falls to 0, that counts as s1 if it is left of 0, and otherwise as s3.
     ///
     /// A ray's search for its hit uses Newton's method, which steps from s to the root of the tangent at s.
     /// Where G is convex, it lies above its tangents, so a step from a positive G never passes a root, unless
@@ -499,26 +502,27 @@ impl Torus {
             s[i] = if entry < -w[i] { entry } else { w[i] };
         }
         // Cases 1 and 2.
-        let mut is_moving = true;
-        while is_moving {
-            is_moving = false;
+        let mut moving_right = true;
+        while moving_right {
+            moving_right = false;
             for i in 0..N {
-                let (next, moves) = step_right([p[i], q[i], r[i]], w[i], s[i]);
+                let (next, is_moving) = step_right([p[i], q[i], r[i]], w[i], s[i]);
                 s[i] = next;
-                is_moving |= moves;
+                moving_right |= is_moving;
             }
         }
+        // Case 3.
+        let mut moving_left = false;
         for i in 0..N {
             s[i] = hit_or_miss([p[i], q[i], r[i]], w[i], s[i]);
-            is_moving |= s[i] == w[i];
+            moving_left |= s[i] == w[i];
         }
-        // Case 3.
-        while is_moving {
-            is_moving = false;
+        while moving_left {
+            moving_left = false;
             for i in 0..N {
-                let (next, moves) = step_left([p[i], q[i], r[i]], w[i], s[i]);
+                let (next, is_moving) = step_left([p[i], q[i], r[i]], w[i], s[i]);
                 s[i] = next;
-                is_moving |= moves;
+                moving_left |= is_moving;
             }
         }
         s
@@ -600,14 +604,14 @@ struct Options {
     spin: [f64; 2],
     /// Angle A of the first frame, in radians
     ///
-    /// The donut is rotated first by A about the x axis, which points right.
+    /// A rotates the donut about the x axis, which points right.
     #[arg(short = 'A', help_heading = "Motion", value_name = "RAD")]
     #[arg(default_value = "0", value_parser = within(ANGLES))]
     a: f64,
     /// Angle B of the first frame, in radians
     ///
-    /// Then it is rotated by B about the z axis, which points away from you.
-    /// So only the z axis is fixed on the screen: B rotates A's axis, too.
+    /// B comes after A, and is about the z axis, which points away from you.
+    /// It rotates the axis of A as well, so only z is fixed on the screen.
     #[arg(short = 'B', help_heading = "Motion", value_name = "RAD", verbatim_doc_comment)]
     #[arg(default_value = "0", value_parser = within(ANGLES))]
     b: f64,
@@ -652,7 +656,7 @@ struct Options {
     /// perspective, not the size: except in donut.c's own picture, the donut
     /// is as large as it can be without being cut off in any pose.
     #[arg(long, help_heading = "Geometry", value_name = "D", verbatim_doc_comment)]
-    #[arg(default_value = "5", value_parser = within(2.01201..=1e6))]
+    #[arg(default_value = "5", value_parser = within(DISTANCES))]
     k2: f64,
 }
 
@@ -671,6 +675,8 @@ const SIZES: RangeInclusive<u16> = 1..=4096;
 const ANGLES: RangeInclusive<f64> = -1e9..=1e9;
 /// Beyond these, the hole or the tube is too small to see in most pictures.
 const RING_RADII: RangeInclusive<f64> = 1.01..=30.0;
+/// They start at the least distance from the smallest ring: 1.001 times 1 + 1.01.
+const DISTANCES: RangeInclusive<f64> = 2.01201..=1e6;
 
 /// A parser for the numbers in a range.
 fn within<T: FromStr + PartialOrd + Display + Clone>(
@@ -719,7 +725,7 @@ impl Options {
             let rule = format!("{LEAST_DISTANCE} times the sum of 1 and --r2");
             Some(format!("--k2 is {k2}, but must be at least {least}: {rule}"))
         } else if method == Some(Method::Classic) && (r2, k2) != (2.0, 5.0) {
-            // With other radii or from nearer, the steps of `classic` could leave gaps: see `angle_steps`.
+            // For another ring or distance, the steps of `classic` may be too long: see `angle_steps`.
             Some(format!("--method classic needs --r2 2 and --k2 5, but these are {r2} and {k2}"))
         } else {
             None
@@ -744,9 +750,9 @@ impl Options {
     /// for donut.c's own picture, as long as floats are fine enough for it, and `Exact` for any other.
     ///
     /// Floats are fine enough if the gap between an angle and the next float is at most a quarter of the
-    /// angle's spin. (If the spin is 0, the gap may be 0.0002, which changes about one cell.) With donut.c's
-    /// own start and spin, `Exact` takes over at frame 3,345,245, where A passes 2^17. From there on, floats
-    /// are 1/64 apart, and adding 0.04 really adds 3/64.
+    /// angle's spin. (If the spin is 0, the gap may be 0.0002: such an error changes about one cell.) With
+    /// donut.c's own start and spin, `Exact` takes over at frame 3,345,245, where A passes 2^17. From there
+    /// on, floats are 1/64 apart, and adding 0.04 really adds 3/64.
     fn method_for(&self, view: &View, angles: [f64; 2]) -> Method {
         let floats_are_fine = (0..2).all(|i| {
             let float = angles[i].abs() as f32;
@@ -771,7 +777,8 @@ impl Options {
 // resumed with `bg`, is in the *background*: there, the system stops it if it reads keys or changes the
 // terminal's settings.
 
-/// The longest that the loop sleeps. So it notices a signal, a key or a new size after this time at most.
+/// The longest that the loop sleeps, so that it soon notices a signal, a key or a new size. The program's
+/// other waits are measured in ticks, too.
 const TICK: Duration = Duration::from_millis(50);
 
 const ESCAPE: u8 = 0x1b;
@@ -853,8 +860,8 @@ fn play(options: &Options, console: &'static Console) -> io::Result<()> {
 
         let is_due = !is_paused && due <= Instant::now();
         if is_due {
-            // The first frame shows the starting angles. Every later frame adds to the angles of the one
-            // before, in the arithmetic of the method that drew that one.
+            // The first frame shows the starting angles. Before every later frame, the spin is added, in the
+            // arithmetic of the method that drew the frame before.
             if frame_count > 0 {
                 angles = next_angles(renderer.method, angles, spin);
             }
@@ -947,7 +954,8 @@ impl Console {
         }
     }
 
-    /// In the background, leaves the terminal to others, and waits for the foreground or a signal to end.
+    /// In the background, leaves the terminal, and waits until the program is in the foreground or a signal
+    /// asks it to end.
     fn wait_for_foreground(&'static self) -> io::Result<()> {
         while self.is_terminal && !system::is_in_foreground(&self.file) && !self.is_ending() {
             self.leave()?;
@@ -956,9 +964,9 @@ impl Console {
         Ok(())
     }
 
-    /// Enters the terminal, unless the program has entered it already. Returns whether it did so just now,
-    /// and the screen has to be cleared. In a pipe, the first call returns true, because donut.c also begins
-    /// by clearing the screen.
+    /// Enters the terminal, unless the program has entered it already. Returns whether it did so just now:
+    /// if so, the screen has to be cleared. In a pipe, the first call returns true, because donut.c also
+    /// begins by clearing the screen.
     fn enter(&self) -> io::Result<bool> {
         let just_entered = !self.is_entered.swap(true, SeqCst);
         if just_entered && self.is_terminal {
@@ -985,29 +993,31 @@ impl Console {
             // After a change of size, tmux would copy rows of the alternate screen into the shell's.
             queue!(bytes, terminal::Clear(ClearType::All), terminal::LeaveAlternateScreen)?;
         }
-        let written = self.write_patiently(bytes);
+        let written = self.write_blocking(bytes);
         system::restore_settings(&self.file);
         written
     }
 
-    /// Writes what must arrive even if other programs write to the terminal, or if nobody reads it.
+    /// Writes what has to arrive even if other programs write to the terminal, too.
     ///
-    /// Linux lets one program at a time write to a terminal. A blocking write waits for its turn, but a
-    /// nonblocking one fails, and while another program writes without a pause, it fails every time. So here
-    /// a thread does a blocking write. If that takes long, and a signal has come, this makes room: for up to
-    /// a second, it keeps discarding the output that the terminal has not taken yet.
-    fn write_patiently(&'static self, bytes: Vec<u8>) -> io::Result<()> {
+    /// Linux lets one program at a time write to a terminal. A blocking write waits for its turn. But `file`
+    /// is nonblocking (see `open_output`), and its writes fail while another program writes. So here a thread
+    /// does a blocking write, and this function waits for it.
+    ///
+    /// Without a signal, it waits as long as it takes. With one, it makes room after 100 ms, by discarding
+    /// the output that the terminal has not taken yet, and gives up after another second. The thread then
+    /// ends with the program.
+    fn write_blocking(&'static self, bytes: Vec<u8>) -> io::Result<()> {
         system::set_nonblocking(&self.file, false);
         let (sender, receiver) = mpsc::channel();
         thread::spawn(move || sender.send((&self.file).write_all(&bytes)));
-        let mut result = receiver.recv_timeout(2 * TICK);
-        let mut tries = 0;
-        while result.is_err() && tries < 20 {
+        let (mut result, mut discards) = (receiver.recv_timeout(2 * TICK), 0);
+        while result.is_err() && discards < 100 {
             if self.is_ending() {
-                tries += 1;
                 system::discard_output(&self.file);
+                discards += 1;
             }
-            result = receiver.recv_timeout(TICK);
+            result = receiver.recv_timeout(TICK / 5);
         }
         system::set_nonblocking(&self.file, true);
         result.unwrap_or(Err(io::ErrorKind::TimedOut.into()))
@@ -1086,7 +1096,7 @@ mod system {
     use std::os::fd::AsFd;
     use std::sync::OnceLock;
 
-    /// The terminal's settings when the program first entered it. They are saved only once: after a suspend,
+    /// The terminal's settings when the program first entered it. They are saved only once: after a stop,
     /// some shells leave this program's own settings in place.
     static SETTINGS: OnceLock<Termios> = OnceLock::new();
 
@@ -1100,9 +1110,9 @@ mod system {
         let stdout = io::stdout();
         if stdout.is_terminal() {
             let path = match termios::tcgetpgrp(&stdout) {
+                // Not the controlling terminal, which is the one that the program was started from.
                 Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
-                // The controlling terminal, the one that the program was started from, may be opened by any
-                // user under this name.
+                // The controlling terminal, which any user may open under this name.
                 _ => Ok(c"/dev/tty".into()),
             };
             let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
@@ -1156,9 +1166,9 @@ mod system {
         Ok((size.ws_col, size.ws_row))
     }
 
-    /// Sets cbreak mode. OPOST and ONLCR make `\n` a carriage return and a newline. Ctrl-C and Ctrl-\ still
-    /// send signals, so that they work while the terminal takes no output. Without IEXTEN and IXON, Ctrl-V,
-    /// Ctrl-S and the like are ordinary keys.
+    /// Sets cbreak mode. OPOST and ONLCR, in case they are off, make `\n` start a new line. Ctrl-C and
+    /// Ctrl-\ still send signals, so that they work while the terminal takes no output. Without IEXTEN and
+    /// IXON, Ctrl-V, Ctrl-S and the like are ordinary keys.
     ///
     /// If the terminal is gone, this fails, and `size` reports it.
     pub fn set_cbreak_mode(terminal: &File) {
@@ -1175,7 +1185,8 @@ mod system {
         let _ = termios::tcsetattr(terminal, termios::OptionalActions::Now, &changed);
     }
 
-    /// Restores the terminal's settings, but not in the background, where they are the shell's.
+    /// Restores the terminal's settings, but not in the background, where they are the shell's, and changing
+    /// them would stop the program.
     pub fn restore_settings(terminal: &File) {
         if let Some(settings) = SETTINGS.get().filter(|_| is_in_foreground(terminal)) {
             let _ = termios::tcsetattr(terminal, termios::OptionalActions::Now, settings);
@@ -1183,7 +1194,8 @@ mod system {
     }
 
     /// Discards the output that the terminal has not taken yet, but not in the background, where that would
-    /// stop the program. It does not wake the programs that wait for room; restarting the output does.
+    /// stop the program. Flushing alone does not wake the programs that wait for room, so the output is also
+    /// stopped and restarted.
     pub fn discard_output(terminal: &File) {
         if is_in_foreground(terminal) {
             let _ = termios::tcflush(terminal, termios::QueueSelector::OFlush);
@@ -1194,10 +1206,10 @@ mod system {
 
     /// The pressed keys that send a single byte.
     ///
-    /// An arrow key, for one, sends a code: an ESC and more bytes. The terminal's answer to a question of an
-    /// earlier program is such a code as well, and may arrive late and in pieces. So after an ESC, this
-    /// function waits for a TICK, reads once more, and drops the ESC and all that follows it. But if nothing
-    /// except ESCs has come, that is the Esc key, pressed once or held down.
+    /// An arrow key, for example, sends a code: an ESC and more bytes. The terminal's answer to a question
+    /// of an earlier program is such a code as well, and may arrive late and in pieces. So after an ESC,
+    /// this function waits for a TICK, reads once more, and drops the ESC and all that follows it. But if
+    /// nothing except ESCs has come, that is the Esc key, pressed once or held down.
     pub fn keys(terminal: &File) -> Vec<u8> {
         let mut keys = read(terminal);
         if let Some(escape) = keys.iter().position(|&key| key == ESCAPE) {
