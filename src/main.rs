@@ -47,7 +47,7 @@
 //! **Perspective.** Seen from the viewer, the point is at the depth `z = Z + K2`. Things twice as far away
 //! look half as large, so the point appears `K1 X / z` to the right of the donut's centre, and `K1 Y / z`
 //! below it. donut.c puts this centre at column 40 and row 12 of its 80x22 cells. That is below the middle,
-//! and in some poses the lowest part of the donut is cut off.
+//! and in some poses the lowest part of the donut is cut off, or a little of the highest.
 //!
 //! **The z-buffer.** Many samples fall into the same cell, and the cell shows the nearest of them. To find
 //! it, a z-buffer keeps the largest 1/z so far for each cell. (The perspective needs 1/z anyway, and 0 can
@@ -95,7 +95,7 @@ use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
 use crossterm::cursor::{Hide, MoveToColumn, Show};
 use crossterm::queue;
 use crossterm::style::{self, Color, ResetColor, SetForegroundColor};
-use crossterm::terminal::{self, ClearType};
+use crossterm::terminal::{self, Clear, ClearType, EnterAlternateScreen, LeaveAlternateScreen};
 
 // ---- View ----------------------------------------------------------------------------------------
 
@@ -151,7 +151,7 @@ fn apparent_radius(r2: f64, k2: f64) -> f64 {
 
 // ---- Rendering -----------------------------------------------------------------------------------
 
-// Here, and in `Options`, the doc comments are what --help says.
+// clap takes the text of --help from the doc comments of this enum and of `Options`.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum Method {
     /// As donut.c does: plot many points, and let the nearest win
@@ -207,7 +207,7 @@ impl Renderer {
     ///
     /// All arithmetic is in f32 and in donut.c's order of operations, because another order would round to
     /// other characters. donut.c has names of one letter: `sin_phi` is its c, `cos_theta` d, `sin_a` e,
-    /// `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `index` o.
+    /// `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `cell` o.
     fn plot_samples(&mut self, a: f32, b: f32) {
         let View { width, height, r2, k2, cx, cy, k1x, k1y } = self.view;
         // In a cell of the picture, 1/z = 0 means infinitely far away, so that any sample is nearer. Column
@@ -226,7 +226,7 @@ impl Renderer {
         let (sin_phis, cos_phis) = (&sin_phis[..phi_count], &cos_phis[..phi_count]);
         let (mut x, mut y, mut ooz) =
             (vec![0.0; phi_count], vec![0.0; phi_count], vec![0.0; phi_count]);
-        let mut indices = vec![0; phi_count];
+        let mut cells = vec![0; phi_count];
         for (&sin_theta, &cos_theta) in sin_thetas.iter().zip(cos_thetas.iter()) {
             let h = cos_theta + r2;
             for i in 0..phi_count {
@@ -237,21 +237,21 @@ impl Renderer {
                 y[i] = cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b);
             }
             // donut.c skips the samples outside the picture. Here, the z-buffer rejects those below it. No
-            // sample falls left of column 0 or above row 0. A sample on the right edge, where x is `width`,
-            // counts as one in column 0 of the next row.
+            // sample falls left of column 0 or above row 0, because the bounding sphere does not. A sample
+            // on the right edge, where x is `width`, counts as one in column 0 of the next row.
             for i in 0..phi_count {
-                indices[i] = floor(x[i]) + width as u32 * floor(y[i]);
+                cells[i] = floor(x[i]) + width as u32 * floor(y[i]);
             }
             for i in 0..phi_count {
-                let (index, sin_phi, cos_phi) = (indices[i] as usize, sin_phis[i], cos_phis[i]);
-                if self.zbuffer[index] < ooz[i] {
-                    self.zbuffer[index] = ooz[i];
+                let (cell, sin_phi, cos_phi) = (cells[i] as usize, sin_phis[i], cos_phis[i]);
+                if self.zbuffer[cell] < ooz[i] {
+                    self.zbuffer[cell] = ooz[i];
                     // The dot product of the rotated normal and (0, -1, -1).
                     let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
                         - sin_phi * cos_theta * sin_a
                         - sin_theta * cos_a
                         - cos_phi * cos_theta * sin_b;
-                    self.framebuffer[index] = glyph(luminance.into());
+                    self.framebuffer[cell] = glyph(luminance.into());
                 }
             }
         }
@@ -295,8 +295,8 @@ impl Renderer {
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
-/// gaps. (At A = B = pi/2, donut.c's own picture has a few.) If the donut is enlarged, in columns by one
-/// factor and in rows by another, each step is divided by the larger factor.
+/// gaps. (At A = B = pi/2, donut.c's own picture has a few.) In a larger
+/// picture, each step is multiplied by donut.c's k1x / k1x or by donut.c's k1y / k1y, whichever is less.
 fn angle_steps(view: &View) -> [f64; 2] {
     let scale = f64::min(View::DONUT_C.k1x / view.k1x, View::DONUT_C.k1y / view.k1y).min(1.0);
     [0.07 * scale, 0.02 * scale]
@@ -325,7 +325,8 @@ fn sin_cos(angle: f32) -> (f32, f32) {
 
 /// The integer part of a value from 0 to 2^23: `value as u32`, but in plain arithmetic, which the compiler
 /// vectorises even if the processor has no vector instruction for the cast. From 2^23 to 2^24 floats are 1
-/// apart, so adding 2^23 rounds the value to an integer, which is left in the low bits of the sum.
+/// apart, so adding 2^23 rounds the value to an integer, which is left in the low bits of the sum. If it was
+/// rounded up, it is one too large.
 fn floor(value: f32) -> u32 {
     const TWO_TO_23: f32 = 8_388_608.0;
     let rounded = value + TWO_TO_23;
@@ -473,10 +474,11 @@ impl Torus {
     /// The inflections of G are at -w and w, where its second derivative, 12 s^2 + 4 p, is 0. (They need not
     /// be at s2 and s3.) Between them G is concave, and on either side it is convex. Coming from the left, G
     /// can fall to 0 once before -w, at s1. If it does not, it is still positive at -w, and can fall to 0
-    /// once after -w, at s3. Where both valleys are too shallow, or the only one, the ray misses.
+    /// once after -w, at s3. If no valley reaches down to 0, the ray
+    /// misses.
     ///
-    /// If p is not negative, G is convex everywhere. It has no inflections, one valley, and w is taken to be
-    /// 0. Where G falls to 0, that counts as s1 if it is left of 0, and otherwise as s3.
+    /// If p is not negative, G is convex everywhere. It then has no inflections and a single valley, and w is
+    /// set to 0. Where G falls to 0, that counts as s1 if it is left of 0, and otherwise as s3.
     ///
     /// A ray's search for its hit uses Newton's method, which steps from s to the root of the tangent at s.
     /// Where G is convex, it lies above its tangents, so a step from a positive G never passes a root, unless
@@ -515,7 +517,7 @@ impl Torus {
         let mut moving_left = false;
         for i in 0..N {
             s[i] = hit_or_miss([p[i], q[i], r[i]], w[i], s[i]);
-            moving_left |= s[i] == w[i];
+            moving_left |= s[i] == w[i]; // Only the searches of case 3 are still there.
         }
         while moving_left {
             moving_left = false;
@@ -556,11 +558,12 @@ fn step_left(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
     let (next, _) = newton(quartic, s);
     // s3 is right of -w. Only rounding can make a step seem to lead past -w.
     let next = if next > -w { next } else { -w };
-    let is_left = (s <= w) & (next < s);
-    (if is_left { next } else { s }, is_left & (s - next > LAST_STEP))
+    let goes_left = (s <= w) & (next < s);
+    (if goes_left { next } else { s }, goes_left & (s - next > LAST_STEP))
 }
 
-/// Where Newton's method steps from s, and the slope of G at s.
+/// Where Newton's method steps from s, and the slope of G at s. Where the slope is 0, the step is infinite or
+/// NaN, and the search ends.
 fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
     let u = s * s + p;
     let slope = 4.0 * u * s + q;
@@ -569,7 +572,7 @@ fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
 
 // ---- Options -------------------------------------------------------------------------------------
 
-/// A spinning ASCII donut: donut.c at 80x22, ray-traced at any other size
+/// A spinning ASCII donut: donut.c's at 80x22, otherwise ray-traced
 ///
 /// On a terminal the donut fills the window and spins until you press q. If the
 /// output goes to a pipe or a file, it is what donut.c writes, escape codes
@@ -652,11 +655,13 @@ struct Options {
     r2: f64,
     /// Distance to the donut's centre, in tube radii
     ///
-    /// From 1.001 times the sum of 1 and --r2 to 1000000. It changes the
-    /// perspective, not the size: except in donut.c's own picture, the donut
-    /// is as large as it can be without being cut off in any pose.
+    /// From 1.001 times the sum of 1 and --r2 to 1000000. The picture is
+    /// scaled so that no pose is cut off. So a greater distance changes the
+    /// perspective and hardly the size; from very near, the donut looks
+    /// smaller.
     #[arg(long, help_heading = "Geometry", value_name = "D", verbatim_doc_comment)]
-    #[arg(default_value = "5", value_parser = within(DISTANCES))]
+    // The least K2 of the smallest ring is 1.001 (1 + 1.01).
+    #[arg(default_value = "5", value_parser = within(2.01201..=1e6))]
     k2: f64,
 }
 
@@ -675,8 +680,8 @@ const SIZES: RangeInclusive<u16> = 1..=4096;
 const ANGLES: RangeInclusive<f64> = -1e9..=1e9;
 /// Beyond these, the hole or the tube is too small to see in most pictures.
 const RING_RADII: RangeInclusive<f64> = 1.01..=30.0;
-/// They start at the least distance from the smallest ring: 1.001 times 1 + 1.01.
-const DISTANCES: RangeInclusive<f64> = 2.01201..=1e6;
+/// The least K2, in units of 1 + R2. From there, a donut seen edge-on already fills 175 degrees of the view.
+const LEAST_DISTANCE: f64 = 1.001;
 
 /// A parser for the numbers in a range.
 fn within<T: FromStr + PartialOrd + Display + Clone>(
@@ -711,9 +716,6 @@ fn parse_color(text: &str) -> Result<Color, String> {
     let color = Color::try_from(name.as_str()).ok().filter(|&color| color != Color::Reset);
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
-
-/// The least K2, in units of 1 + R2. From there, a donut seen edge-on already fills 175 degrees of the view.
-const LEAST_DISTANCE: f64 = 1.001;
 
 impl Options {
     /// What is wrong with options that are allowed one by one, but not together.
@@ -752,7 +754,7 @@ impl Options {
     /// Floats are fine enough if the gap between an angle and the next float is at most a quarter of the
     /// angle's spin. (If the spin is 0, the gap may be 0.0002: such an error changes about one cell.) With
     /// donut.c's own start and spin, `Exact` takes over at frame 3,345,245, where A passes 2^17. From there
-    /// on, floats are 1/64 apart, and adding 0.04 really adds 3/64.
+    /// on, floats are 1/64 apart, which is more than 0.04 / 4, and adding 0.04 really adds 3/64.
     fn method_for(&self, view: &View, angles: [f64; 2]) -> Method {
         let floats_are_fine = (0..2).all(|i| {
             let float = angles[i].abs() as f32;
@@ -773,9 +775,9 @@ impl Options {
 // sent at once and without echo. To *leave* the terminal is to undo all this.
 //
 // A shell runs each command as a job, and lends the terminal to one job at a time. This job is in the
-// *foreground*; Ctrl-Z suspends it, and the shell's `fg` resumes it. A job that was started with `&`, or
-// resumed with `bg`, is in the *background*: there, the system stops it if it reads keys or changes the
-// terminal's settings.
+// *foreground*; Ctrl-Z suspends it (stops its processes), and the shell's `fg` resumes it. A job that was
+// started with `&`, or resumed with `bg`, is in the *background*: there, the system stops it if it reads
+// keys or changes the terminal's settings.
 
 /// The longest that the loop sleeps, so that it soon notices a signal, a key or a new size. The program's
 /// other waits are measured in ticks, too.
@@ -910,7 +912,8 @@ struct Console {
 }
 
 impl Console {
-    /// Opens the console for the rest of the program's life: the handlers of signals and panics use it.
+    /// Opens the console for the rest of the program's life: the handlers of signals and panics use it, and
+    /// so does the thread of `write_blocking`.
     fn open(options: &Options) -> io::Result<&'static Console> {
         let (file, is_terminal) = system::open_output()?;
         if is_terminal && env::var_os("TERM").is_some_and(|term| term == "dumb") {
@@ -973,7 +976,7 @@ impl Console {
             system::set_cbreak_mode(&self.file);
             let mut bytes = Vec::new();
             if self.has_alternate_screen {
-                queue!(bytes, terminal::EnterAlternateScreen)?;
+                queue!(bytes, EnterAlternateScreen)?;
             }
             queue!(bytes, Hide)?;
             self.write(&bytes)?;
@@ -990,37 +993,41 @@ impl Console {
         // A signal may have cut a frame short, in the middle of a row.
         queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
         if self.has_alternate_screen {
-            // After a change of size, tmux would copy rows of the alternate screen into the shell's.
-            queue!(bytes, terminal::Clear(ClearType::All), terminal::LeaveAlternateScreen)?;
+            // After a change of size, tmux would copy rows of the alternate screen into the shell's screen.
+            // So this clears the alternate screen, and first makes sure that it is there: while the program
+            // was stopped, another one may have left it.
+            queue!(bytes, EnterAlternateScreen, Clear(ClearType::All), LeaveAlternateScreen)?;
         }
         let written = self.write_blocking(bytes);
         system::restore_settings(&self.file);
         written
     }
 
-    /// Writes what has to arrive even if other programs write to the terminal, too.
+    /// Writes the bytes that restore the terminal, which have to arrive even while another program writes.
     ///
     /// Linux lets one program at a time write to a terminal. A blocking write waits for its turn. But `file`
     /// is nonblocking (see `open_output`), and its writes fail while another program writes. So here a thread
     /// does a blocking write, and this function waits for it.
     ///
     /// Without a signal, it waits as long as it takes. With one, it makes room after 100 ms, by discarding
-    /// the output that the terminal has not taken yet, and gives up after another second. The thread then
-    /// ends with the program.
+    /// the output that the terminal has not taken yet, and gives up after another second. The thread is then
+    /// abandoned.
     fn write_blocking(&'static self, bytes: Vec<u8>) -> io::Result<()> {
         system::set_nonblocking(&self.file, false);
-        let (sender, receiver) = mpsc::channel();
-        thread::spawn(move || sender.send((&self.file).write_all(&bytes)));
-        let (mut result, mut discards) = (receiver.recv_timeout(2 * TICK), 0);
-        while result.is_err() && discards < 100 {
+        let ((sender, receiver), copy) = (mpsc::channel(), bytes.clone());
+        let _ = thread::Builder::new().spawn(move || sender.send((&self.file).write_all(&copy)));
+        let (mut result, mut discards) = (receiver.recv_timeout(Duration::from_millis(100)), 0);
+        // A timeout means that the thread is still writing. A hundred times 10 ms is a second.
+        while matches!(result, Err(mpsc::RecvTimeoutError::Timeout)) && discards < 100 {
             if self.is_ending() {
                 system::discard_output(&self.file);
                 discards += 1;
             }
-            result = receiver.recv_timeout(TICK / 5);
+            result = receiver.recv_timeout(Duration::from_millis(10));
         }
         system::set_nonblocking(&self.file, true);
-        result.unwrap_or(Err(io::ErrorKind::TimedOut.into()))
+        // If the system could not start the thread, there is no result.
+        result.unwrap_or_else(|_| self.write(&bytes))
     }
 
     /// Writes a frame. `clear` says whether to clear the screen first.
@@ -1049,8 +1056,8 @@ impl Console {
         self.write(&bytes)
     }
 
-    /// Writes all bytes, and waits while there is no room for them. A terminal whose window hangs may never
-    /// have room again, so this gives up once a signal has come.
+    /// Writes all bytes, and waits while there is no room for them or another program writes. A terminal
+    /// whose window hangs may never have room again, so this gives up once a signal has come.
     fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
         let mut pause = Duration::ZERO;
         while !bytes.is_empty() {
@@ -1166,7 +1173,7 @@ mod system {
         Ok((size.ws_col, size.ws_row))
     }
 
-    /// Sets cbreak mode. OPOST and ONLCR, in case they are off, make `\n` start a new line. Ctrl-C and
+    /// Sets cbreak mode, and turns on OPOST and ONLCR, so that `\n` starts a new line. Ctrl-C and
     /// Ctrl-\ still send signals, so that they work while the terminal takes no output. Without IEXTEN and
     /// IXON, Ctrl-V, Ctrl-S and the like are ordinary keys.
     ///

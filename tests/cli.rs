@@ -325,7 +325,7 @@ fn in_a_file_signals_have_their_default_action() {
         (Signal::QUIT, "Quit"),
         (Signal::TERM, "Terminated"),
     ] {
-        let file = format!("{}/{description}", env!("CARGO_TARGET_TMPDIR"));
+        let file = format!("{}/{description}-{}", env!("CARGO_TARGET_TMPDIR"), std::process::id());
         let _ = fs::remove_file(&file);
         // This test may run in the background of a script, where SIGINT is ignored, and the program
         // would inherit that. So it is started by portable-pty, which first gives the four signals

@@ -14,6 +14,8 @@ use std::thread::{scope, sleep};
 use std::time::{Duration, Instant};
 
 use pty::Pty;
+#[cfg(target_os = "linux")]
+use rustix::process::{Resource, Rlimit, prlimit};
 use rustix::process::{Signal, kill_process};
 
 const DONUT: &str = env!("CARGO_BIN_EXE_donut");
@@ -21,9 +23,10 @@ const DONUT: &str = env!("CARGO_BIN_EXE_donut");
 const STILL: [&str; 3] = ["-A=1", "-B=0.5", "--spin=0,0"];
 /// With this option, the second frame is due after 32 years.
 const ONE_FRAME: &str = "--fps=1e-300";
-/// The commands that end the updates and leave the terminal, as the terminal gets them.
+/// The commands that enter the terminal, end the updates and leave the terminal, as the terminal gets them.
+const ENTER: &str = "\x1b[?1049h\x1b[?25l";
 const END_UPDATE: &str = "\x1b[?2026l";
-const LEAVE: &str = "\x1b[1G\x1b[?25h\x1b[2J\x1b[?1049l";
+const LEAVE: &str = "\x1b[1G\x1b[?25h\x1b[?1049h\x1b[2J\x1b[?1049l";
 
 /// The signals that ask donut to end, and what a shell then calls its exit code.
 const SIGNALS: [(Signal, u32); 4] =
@@ -96,7 +99,7 @@ fn wait_for_more_frames(pty: &Pty, more: usize) {
 
 /// How often donut has entered the terminal so far, where it has the alternate screen.
 fn enter_count(pty: &Pty) -> usize {
-    pty.written().matches("\x1b[?1049h").count()
+    pty.written().matches(ENTER).count()
 }
 
 /// Presses q, and waits for donut to end.
@@ -427,7 +430,7 @@ fn a_q_typed_ahead_ends_the_donut_before_the_first_frame() {
     pty.wait_for("the shell", |pty| pty.lines().contains(&"42".to_string()));
     let written = pty.written();
     assert!(written.find("\x1b[?1049h") < written.find("\x1b[?1049l"));
-    assert_eq!(written.matches("\x1b[?1049h").count(), 1);
+    assert_eq!(enter_count(&pty), 1);
     assert!(!written.contains("\x1b[?2026h"));
 }
 
@@ -960,6 +963,38 @@ fn a_stopped_donut_enters_the_terminal_again() {
             pty.assert_settings_restored();
         }
     }
+}
+
+#[test]
+fn what_was_on_the_shells_screen_during_a_stop_stays_there() {
+    if !has_job_control() {
+        return;
+    }
+    let pty = donut_in_a_shell("bash");
+    pty.signal_job(Signal::STOP);
+    wait_until_shell_reports_stop(&pty);
+    // As a program does that has had the alternate screen in the meantime.
+    type_line(&pty, r"printf '\033[?1049l\033[?25h\033[2J\033[Hkept\n'");
+    wait_for_the_shells_screen(&pty);
+    pty.wait_for("the text", |pty| pty.lines().contains(&"kept".to_string()));
+    type_line(&pty, "fg");
+    wait_for_picture(&pty, (80, 24));
+    pty.type_bytes(b"q");
+    assert_code(&pty, 0);
+    assert!(pty.lines().contains(&"kept".to_string()), "{:?}", pty.lines());
+}
+
+/// Without room for a thread's stack, the system starts no threads.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_restores_where_no_thread_can_be_started() {
+    let pty = run_donut(&[], (80, 24));
+    wait_for_first_frame(&pty);
+    let most = Some(1_000_000);
+    prlimit(Some(pty.pid()), Resource::As, Rlimit { current: most, maximum: most }).unwrap();
+    pty.signal(Signal::TERM);
+    assert_eq!(pty.wait_for_exit_and_output(), 143);
+    pty.assert_restored();
 }
 
 #[test]
