@@ -295,8 +295,8 @@ impl Renderer {
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
-/// gaps. (At A = B = pi/2, donut.c's own picture has a few.) In a larger
-/// picture, each step is multiplied by donut.c's k1x / k1x or by donut.c's k1y / k1y, whichever is less.
+/// gaps. (At A = B = pi/2, donut.c's own picture has a few.) In a larger picture, each step is multiplied
+/// by donut.c's k1x / k1x or by donut.c's k1y / k1y, whichever is less.
 fn angle_steps(view: &View) -> [f64; 2] {
     let scale = f64::min(View::DONUT_C.k1x / view.k1x, View::DONUT_C.k1y / view.k1y).min(1.0);
     [0.07 * scale, 0.02 * scale]
@@ -471,11 +471,10 @@ impl Torus {
     ///          ''  -w        w  ''
     /// ```
     ///
-    /// The inflections of G are at -w and w, where its second derivative, 12 s^2 + 4 p, is 0. (They need not
-    /// be at s2 and s3.) Between them G is concave, and on either side it is convex. Coming from the left, G
-    /// can fall to 0 once before -w, at s1. If it does not, it is still positive at -w, and can fall to 0
-    /// once after -w, at s3. If no valley reaches down to 0, the ray
-    /// misses.
+    /// The inflections of G are at -w and w, where its second derivative, 12 s^2 + 4 p, is 0. (They need
+    /// not be at s2 and s3.) Between them G is concave, and on either side it is convex. Coming from the
+    /// left, G can fall to 0 once before -w, at s1. If it does not, it is still positive at -w, and can
+    /// fall to 0 once after -w, at s3. If no valley reaches down to 0, the ray misses.
     ///
     /// If p is not negative, G is convex everywhere. It then has no inflections and a single valley, and w is
     /// set to 0. Where G falls to 0, that counts as s1 if it is left of 0, and otherwise as s3.
@@ -779,8 +778,7 @@ impl Options {
 // started with `&`, or resumed with `bg`, is in the *background*: there, the system stops it if it reads
 // keys or changes the terminal's settings.
 
-/// The longest that the loop sleeps, so that it soon notices a signal, a key or a new size. The program's
-/// other waits are measured in ticks, too.
+/// The longest that the loop sleeps, so that it soon notices a signal, a key or a new size.
 const TICK: Duration = Duration::from_millis(50);
 
 const ESCAPE: u8 = 0x1b;
