@@ -47,7 +47,8 @@
 //! **Perspective.** Seen from the viewer, the point is at the depth `z = Z + K2`. Things twice as far away
 //! look half as large, so the point appears `K1 X / z` to the right of the donut's centre, and `K1 Y / z`
 //! below it. donut.c puts this centre at column 40 and row 12 of its 80x22 cells. That is below the middle,
-//! and in some poses the lowest part of the donut is cut off, or a little of the highest.
+//! and in some poses the lowest part of the donut is cut off. (So is a little of the highest part, because
+//! nothing is drawn in row 0.)
 //!
 //! **The z-buffer.** Many samples fall into the same cell, and the cell shows the nearest of them. To find
 //! it, a z-buffer keeps the largest 1/z so far for each cell. (The perspective needs 1/z anyway, and 0 can
@@ -237,7 +238,7 @@ impl Renderer {
                 y[i] = cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b);
             }
             // donut.c skips the samples outside the picture. Here, the z-buffer rejects those below it. No
-            // sample falls left of column 0 or above row 0, because the bounding sphere does not. A sample
+            // sample falls left of column 0 or above row 0, because the bounding sphere ends there. A sample
             // on the right edge, where x is `width`, counts as one in column 0 of the next row.
             for i in 0..phi_count {
                 cells[i] = floor(x[i]) + width as u32 * floor(y[i]);
@@ -295,8 +296,9 @@ impl Renderer {
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
-/// gaps. (At A = B = pi/2, donut.c's own picture has a few.) In a larger picture, each step is multiplied
-/// by donut.c's k1x / k1x or by donut.c's k1y / k1y, whichever is less.
+/// gaps. (At A = B = pi/2, donut.c's own picture has a few.) In a larger picture, where k1x and k1y
+/// are n times donut.c's, each step is divided by n. For cells of another shape, k1x and k1y differ in n, and
+/// the larger one counts.
 fn angle_steps(view: &View) -> [f64; 2] {
     let scale = f64::min(View::DONUT_C.k1x / view.k1x, View::DONUT_C.k1y / view.k1y).min(1.0);
     [0.07 * scale, 0.02 * scale]
@@ -416,8 +418,8 @@ impl Torus {
     ///                                   = 4 R2^2 (f0^2 - d0^2 fu^2 - (1 - fu^2) (1 - R2^2 fu^2))
     /// ```
     ///
-    /// Because s is measured from P0, there is no cubic term, and the coefficients stay small however far
-    /// away the viewer is.
+    /// (The second form of r follows from c^2 - p^2 = (c - p) (c + p).) Because s is measured from P0, there
+    /// is no cubic term, and the coefficients stay small however far away the viewer is.
     fn quartic(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> [f64; 3] {
         let r2_squared = self.r2 * self.r2;
         // fu is the cosine of the angle between the ray and the axis. Where the ray looks through a nearly
@@ -552,7 +554,8 @@ fn hit_or_miss(quartic: [f64; 3], w: f64, s: f64) -> f64 {
 }
 
 /// Case 3: where the search goes from s, and whether it has further to go. A search that has ended stays at
-/// s: one right of w, or at `MISS`, fails `s <= w`, and one left of -w is left of `next`, too.
+/// s: one right of w, or at `MISS`, fails `s <= w`, and one left of -w is left of `next`, which is at least
+/// -w.
 fn step_left(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
     let (next, _) = newton(quartic, s);
     // s3 is right of -w. Only rounding can make a step seem to lead past -w.
@@ -654,10 +657,10 @@ struct Options {
     r2: f64,
     /// Distance to the donut's centre, in tube radii
     ///
-    /// From 1.001 times the sum of 1 and --r2 to 1000000. The picture is
-    /// scaled so that no pose is cut off. So a greater distance changes the
-    /// perspective and hardly the size; from very near, the donut looks
-    /// smaller.
+    /// At least 1.001 times the sum of 1 and --r2, at most 1000000. The donut
+    /// is scaled so that no pose is cut off. So a greater distance changes
+    /// the perspective and hardly the size. From very near, most poses look
+    /// small, to leave room for the one that comes nearest to you.
     #[arg(long, help_heading = "Geometry", value_name = "D", verbatim_doc_comment)]
     // The least K2 of the smallest ring is 1.001 (1 + 1.01).
     #[arg(default_value = "5", value_parser = within(2.01201..=1e6))]
@@ -991,9 +994,9 @@ impl Console {
         // A signal may have cut a frame short, in the middle of a row.
         queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
         if self.has_alternate_screen {
-            // After a change of size, tmux would copy rows of the alternate screen into the shell's screen.
-            // So this clears the alternate screen, and first makes sure that it is there: while the program
-            // was stopped, another one may have left it.
+            // Without the clear, tmux would copy rows of the alternate screen into the shell's screen after a
+            // change of size. And it must not clear the shell's screen: so enter the alternate screen first,
+            // because another program may have left it while this one was stopped.
             queue!(bytes, EnterAlternateScreen, Clear(ClearType::All), LeaveAlternateScreen)?;
         }
         let written = self.write_blocking(bytes);
@@ -1003,9 +1006,9 @@ impl Console {
 
     /// Writes the bytes that restore the terminal, which have to arrive even while another program writes.
     ///
-    /// Linux lets one program at a time write to a terminal. A blocking write waits for its turn. But `file`
-    /// is nonblocking (see `open_output`), and its writes fail while another program writes. So here a thread
-    /// does a blocking write, and this function waits for it.
+    /// Linux lets one program at a time write to a terminal. `file` is nonblocking (see `open_output`): while
+    /// another program writes, its writes fail, and `write` may never find a gap. A blocking write waits for
+    /// its turn. So here a thread does one, and this function waits for the thread.
     ///
     /// Without a signal, it waits as long as it takes. With one, it makes room after 100 ms, by discarding
     /// the output that the terminal has not taken yet, and gives up after another second. The thread is then
@@ -1024,7 +1027,8 @@ impl Console {
             result = receiver.recv_timeout(Duration::from_millis(10));
         }
         system::set_nonblocking(&self.file, true);
-        // If the system could not start the thread, there is no result.
+        // No result: the thread could not be started, or is still writing. Then try once more, without
+        // blocking. The same bytes twice do no harm.
         result.unwrap_or_else(|_| self.write(&bytes))
     }
 

@@ -194,7 +194,7 @@ fn figures() -> Vec<(&'static str, f64)> {
         ("about # times as fast as the closed form", times_as_fast("exact", "closed form f64")),
         ("Classic is about # times as fast", times_as_fast("classic x1", "donut.c as written")),
         ("in #% of the donut's cells", one_shade + more_shades + holes),
-        ("equal to another #% of them", rim),
+        ("a rim of wrong cells, #% as many", rim),
         ("errors add up to a whole turn in # hours", hours(whole_turn)),
         ("After # hours the floats", hours(faster)),
         ("the donut turns #% too fast", 100.0 * excess / 0.04),

@@ -120,7 +120,7 @@ fn the_manual_page_says_which_values_are_allowed() {
 #[test]
 fn the_manual_page_has_every_rule_between_options() {
     let page = manual_page();
-    assert_allows(entry(&page, "--k2").1, "to 1000000");
+    assert_allows(entry(&page, "--k2").1, "at most 1000000");
     for [option, value, rule] in [
         ["--k2", "2.5", "1.001 times the sum of 1 and --r2"],
         ["--method", "classic", "--method classic needs --r2 2 and --k2 5"],
