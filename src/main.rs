@@ -827,14 +827,14 @@ fn play(options: &Options, console: &'static Console) -> io::Result<()> {
     'main_loop: while frames.is_none_or(|frames| frame_count < frames) {
         let until_due = due.saturating_duration_since(Instant::now());
         thread::sleep(if is_paused { TICK } else { until_due.min(TICK) });
-        console.wait_for_foreground()?;
-        if console.is_ending() {
-            break;
-        }
         // While the program was stopped, another one may have changed the screen and the settings. So leave
         // the terminal, and let `enter` set everything up anew.
         if console.was_continued.swap(false, SeqCst) {
             console.leave()?;
+        }
+        console.wait_for_foreground()?;
+        if console.is_ending() {
+            break;
         }
         let mut clear = console.enter()?;
         let new_size = console.size()?;
