@@ -134,6 +134,14 @@ fn is_allowed(command: &str) -> bool {
     is_allowed
 }
 
+/// The number that Linux has under this title in the status of the donut's process.
+#[cfg(target_os = "linux")]
+fn status(pty: &Pty, title: &str) -> u64 {
+    let status =
+        std::fs::read_to_string(format!("/proc/{}/status", pty.pid().as_raw_pid())).unwrap();
+    status.split_once(title).unwrap().1.split_whitespace().next().unwrap().parse().unwrap()
+}
+
 // ---- The picture ---------------------------------------------------------------------------------
 
 #[test]
@@ -708,12 +716,7 @@ fn a_signal_restores_while_another_program_writes() {
 #[test]
 fn a_stuck_donut_seldom_wakes() {
     let pty = stuck_donut(&[], (80, 24));
-    let wakes = || {
-        let status =
-            std::fs::read_to_string(format!("/proc/{}/status", pty.pid().as_raw_pid())).unwrap();
-        let (_, count) = status.split_once("\nvoluntary_ctxt_switches:").unwrap();
-        count.lines().next().unwrap().trim().parse::<u32>().unwrap()
-    };
+    let wakes = || status(&pty, "\nvoluntary_ctxt_switches:");
     sleep(Duration::from_millis(200));
     let before = wakes();
     let start = Instant::now();
@@ -970,7 +973,10 @@ fn what_was_on_the_shells_screen_during_a_stop_stays_there() {
     if !has_job_control() {
         return;
     }
-    let pty = donut_in_a_shell("bash");
+    // No other frame is due, so the stop cannot come just before one, which would be drawn after it.
+    let pty = Pty::shell("bash", (80, 24));
+    type_line(&pty, &format!("{} {ONE_FRAME}", still_command()));
+    wait_for_picture(&pty, (80, 24));
     pty.signal_job(Signal::STOP);
     wait_until_shell_reports_stop(&pty);
     // As a program does that has had the alternate screen in the meantime.
@@ -990,7 +996,8 @@ fn what_was_on_the_shells_screen_during_a_stop_stays_there() {
 fn a_signal_restores_where_no_thread_can_be_started() {
     let pty = run_donut(&[], (80, 24));
     wait_for_first_frame(&pty);
-    let most = Some(1_000_000);
+    // Another MB is enough for what donut writes, but not for the stack, which has 2 MiB.
+    let most = Some(1024 * (status(&pty, "VmSize:") + 1000));
     prlimit(Some(pty.pid()), Resource::As, Rlimit { current: most, maximum: most }).unwrap();
     pty.signal(Signal::TERM);
     assert_eq!(pty.wait_for_exit_and_output(), 143);
