@@ -296,7 +296,7 @@ impl Renderer {
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
-/// gaps. (At A = B = pi/2, donut.c's own picture has a few.) In a larger picture, where k1x and k1y
+/// gaps. (At A = B = 1.5708, donut.c's own picture has a few.) In a larger picture, where k1x and k1y
 /// are n times donut.c's, each step is divided by n. For cells of another shape, k1x and k1y differ in n, and
 /// the larger one counts.
 fn angle_steps(view: &View) -> [f64; 2] {
@@ -634,12 +634,12 @@ struct Options {
     color: Option<Color>,
     /// Columns [default: all, or 80 in a pipe]
     ///
-    /// From 1 to 4096, but at most the terminal's columns are used.
+    /// From 1 to 4096. On a terminal, at most its columns.
     #[arg(long, help_heading = "Size", value_name = "COLS", value_parser = within(SIZES))]
     width: Option<u16>,
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
-    /// From 1 to 4096, but at most the terminal's rows minus 2 are used.
+    /// From 1 to 4096. On a terminal, at most its rows minus 2, or 1 row.
     #[arg(long, help_heading = "Size", value_name = "ROWS", value_parser = within(SIZES))]
     height: Option<u16>,
     /// Height of a cell divided by its width
@@ -657,10 +657,11 @@ struct Options {
     r2: f64,
     /// Distance to the donut's centre, in tube radii
     ///
-    /// At least 1.001 times the sum of 1 and --r2, at most 1000000. The donut
-    /// is scaled so that no pose is cut off. So a greater distance changes
-    /// the perspective and hardly the size. From very near, most poses look
-    /// small, to leave room for the one that comes nearest to you.
+    /// At least 1.001 times the sum of 1 and --r2, at most 1000000. Except in
+    /// donut.c's own picture, the donut is scaled so that no pose is cut
+    /// off. So a greater distance changes the perspective and hardly the
+    /// size. From very near, most poses look small, to leave room for the
+    /// one that comes nearest to you.
     #[arg(long, help_heading = "Geometry", value_name = "D", verbatim_doc_comment)]
     // The least K2 of the smallest ring is 1.001 (1 + 1.01).
     #[arg(default_value = "5", value_parser = within(2.01201..=1e6))]
@@ -812,15 +813,15 @@ fn run(options: &Options) -> io::Result<()> {
 }
 
 /// donut.c's `for (;;)`. Each iteration draws the next frame if it is due. On a terminal, it first takes care
-/// of signals, keys and a new size. That happens at least every TICK, so while the donut is paused, or at a
-/// low frame rate, there are iterations in which no frame is due.
+/// of signals, keys and a new size. That happens every TICK or more often, unless drawing or writing a frame
+/// takes longer. So while the donut is paused, or at a low frame rate, there are iterations in which no frame
+/// is due.
 fn play(options: &Options, console: &'static Console) -> io::Result<()> {
     let &Options { fps, frames, spin, a, b, .. } = options;
     // A Duration cannot hold 1 / fps seconds if fps is tiny. 1e9 seconds, nearly 32 years, will do.
     let interval = Duration::from_secs_f64(if fps == 0.0 { 0.0 } else { (1.0 / fps).min(1e9) });
-    let (mut frame_count, mut due) = (0, Instant::now());
+    let (mut frame_count, mut due, mut angles) = (0, Instant::now(), [a, b]);
     let (mut is_paused, mut is_shaded) = (false, true);
-    let mut angles = [a, b];
     let mut terminal_size = console.size()?;
     let view = options.view(terminal_size);
     let mut renderer = Renderer::new(view, options.method_for(&view, angles));
@@ -1175,15 +1176,16 @@ mod system {
         Ok((size.ws_col, size.ws_row))
     }
 
-    /// Sets cbreak mode, and turns on OPOST and ONLCR, so that `\n` starts a new line. Ctrl-C and
-    /// Ctrl-\ still send signals, so that they work while the terminal takes no output. Without IEXTEN and
-    /// IXON, Ctrl-V, Ctrl-S and the like are ordinary keys.
+    /// Sets cbreak mode, and turns on OPOST and ONLCR, so that `\n` starts a new line, and ISIG, so that
+    /// Ctrl-C and Ctrl-\ send signals, which work even while the terminal takes no output. Without IEXTEN
+    /// and IXON, Ctrl-V, Ctrl-S and the like are ordinary keys.
     ///
     /// If the terminal is gone, this fails, and `size` reports it.
     pub fn set_cbreak_mode(terminal: &File) {
         let Ok(settings) = termios::tcgetattr(terminal) else { return };
         let mut changed = SETTINGS.get_or_init(|| settings).clone();
         changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO | LocalModes::IEXTEN;
+        changed.local_modes |= LocalModes::ISIG;
         changed.input_modes -= InputModes::IXON;
         changed.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
         // No key may suspend, because Ctrl-Z has to arrive as a byte: see `suspend_job`. The value that means

@@ -516,6 +516,15 @@ fn the_picture_is_upright_on_a_terminal_that_does_not_process_output() {
 }
 
 #[test]
+fn ctrl_c_works_on_a_terminal_that_sends_no_signals() {
+    let command = format!("stty -isig; exec {DONUT}");
+    let pty = Pty::run("sh", &["-c", &command], (80, 24), "xterm");
+    wait_for_first_frame(&pty);
+    pty.type_bytes(b"\x03");
+    assert_eq!(pty.wait_for_exit_and_output(), 130);
+}
+
+#[test]
 fn in_tmux_a_new_size_leaves_no_rows_in_the_shells_screen() {
     if !is_installed("tmux") {
         return;
