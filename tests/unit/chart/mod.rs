@@ -94,12 +94,8 @@ fn ray_by_ray(
     tracing(name, view, move |torus, [ray]| [first_hit(torus, ray)])
 }
 
-fn closed_form(
-    name: &str,
-    view: View,
-    first_root: impl Fn([f64; 3]) -> f64 + 'static,
-) -> NamedMethod {
-    ray_by_ray(name, view, move |torus, ray| first_root(plain_quartic(torus, ray)))
+fn closed_form(name: &str, view: View) -> NamedMethod {
+    ray_by_ray(name, view, |torus, ray| first_root(plain_quartic(torus, ray)))
 }
 
 /// The methods to measure, in donut.c's view enlarged by this scale. In the largest views these are only
@@ -125,9 +121,7 @@ fn methods(scale: usize) -> Vec<NamedMethod> {
         steps("classic x1/2", 0.5 * own),
         steps("classic x1/4", 0.25 * own),
         steps("fixed 0.07/0.02", 1.0),
-        // In f32, the closed form needs a step of Newton's method to get all its digits right.
-        closed_form("closed form f32", view, |g| first_root_f32(g, 1)),
-        closed_form("closed form f64", view, |g| first_root_f64(g, 0)),
+        closed_form("closed form f64", view),
     ]);
     methods.extend([8, 16, 32, 64, 256].map(|most_steps| {
         sphere_tracing(format!("sphere tracing {most_steps}"), view, most_steps)
@@ -335,7 +329,7 @@ fn the_readmes_table_has_the_wrong_cells_where_methods_fail() {
             ray_by_ray("Newton", view, newton_once),
             ray_by_ray("Ferrari, f32", view, move |torus, ray| textbook_f32(torus, k2, ray)),
             ray_by_ray("Ferrari, f64", view, move |torus, ray| textbook_f64(torus, k2, ray)),
-            closed_form("Closed form, f64", view, |g| first_root_f64(g, 0)),
+            closed_form("Closed form, f64", view),
             own_method("Exact", renderer(view, Method::Exact)),
         ];
         let column = row("method").iter().position(|&name| name == scene);

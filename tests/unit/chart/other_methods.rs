@@ -1,7 +1,7 @@
 //! Other methods of drawing the donut, to compare with the program's own.
 //!
 //! The chart compares their times, so the methods in it should not be slow for no reason. Sphere
-//! tracing follows several rays side by side, as exact does; the closed forms take one ray at a
+//! tracing follows several rays side by side, as exact does; the closed form takes one ray at a
 //! time. Only `donut_c` is deliberately written as donut.c is. `newton_once` and the textbook
 //! formulas are not timed, only judged.
 //!
@@ -50,8 +50,7 @@ pub fn sphere_trace(r2: f64, rays: &[Ray; RAYS], most_steps: usize) -> [f64; RAY
     std::array::from_fn(|i| if distance[i] <= tolerance { s[i].into() } else { MISS })
 }
 
-/// A closed form: Ferrari's solution of G(s) = 0, in f32 or in f64. It gives the first root, and
-/// then takes `newton_steps` steps of Newton's method to make it more accurate.
+/// The closed form: the first root of G(s) = 0 by Ferrari's solution.
 ///
 /// Ferrari writes G as a product. That is possible if `y = alpha^2` solves another equation, the
 /// resolvent:
@@ -65,50 +64,38 @@ pub fn sphere_trace(r2: f64, rays: &[Ray; RAYS], most_steps: usize) -> [f64; RAY
 ///
 /// With `y = v - 2/3 p` the resolvent becomes `v^3 - 3 m v - 2 n = 0`. If this has three roots, the
 /// largest is found by a cosine. If it has one, the root is found by Cardano's formula.
-macro_rules! define_first_root {
-    ($name:ident, $float:ident) => {
-        pub fn $name([p, q, r]: [f64; 3], newton_steps: usize) -> f64 {
-            let [p, q, r] = [p, q, r].map(|coefficient| coefficient as $float);
-            let m = (p * p + 12.0 * r) / 9.0;
-            let n = p * p * p / 27.0 - 4.0 / 3.0 * p * r + q * q / 2.0;
-            let discriminant = n * n - m * m * m;
-            let v = if discriminant < 0.0 {
-                let root = m.sqrt();
-                2.0 * root * ((n / (m * root)).clamp(-1.0, 1.0).acos() / 3.0).cos()
-            } else {
-                let t = (n + discriminant.sqrt().copysign(n)).cbrt();
-                if t == 0.0 { 0.0 } else { t + m / t }
-            };
-            let y = (v - 2.0 / 3.0 * p).max(0.0);
-            let alpha = y.sqrt();
-            // This is gamma - beta. It equals q / alpha; but where alpha is almost 0, so is q, and
-            // rounding spoils their quotient. There, the square root of (beta + gamma)^2 - 4 beta gamma
-            // is taken. Multiplying the factors out gives beta + gamma = p + y and beta gamma = r.
-            let apart = if y < p.abs() / 8.0 {
-                ((p + y) * (p + y) - 4.0 * r).max(0.0).sqrt().copysign(q)
-            } else {
-                q / alpha
-            };
-            // The discriminants of the two factors: alpha^2 - 4 beta and alpha^2 - 4 gamma. A factor
-            // with a negative one has no roots.
-            let (first, second) = (2.0 * (apart - p) - y, -2.0 * (apart + p) - y);
-            let mut s = if first >= 0.0 {
-                (-alpha - first.sqrt()) / 2.0
-            } else if second >= 0.0 {
-                (alpha - second.sqrt()) / 2.0
-            } else {
-                return MISS;
-            };
-            for _ in 0..newton_steps {
-                s -= (((s * s + p) * s + q) * s + r) / ((4.0 * s * s + 2.0 * p) * s + q);
-            }
-            s.into()
-        }
+pub fn first_root([p, q, r]: [f64; 3]) -> f64 {
+    let m = (p * p + 12.0 * r) / 9.0;
+    let n = p * p * p / 27.0 - 4.0 / 3.0 * p * r + q * q / 2.0;
+    let discriminant = n * n - m * m * m;
+    let v = if discriminant < 0.0 {
+        let root = m.sqrt();
+        2.0 * root * ((n / (m * root)).clamp(-1.0, 1.0).acos() / 3.0).cos()
+    } else {
+        let t = (n + discriminant.sqrt().copysign(n)).cbrt();
+        if t == 0.0 { 0.0 } else { t + m / t }
     };
+    let y = (v - 2.0 / 3.0 * p).max(0.0);
+    let alpha = y.sqrt();
+    // This is gamma - beta. It equals q / alpha; but where alpha is almost 0, so is q, and rounding spoils
+    // their quotient. There, the square root of (beta + gamma)^2 - 4 beta gamma is taken. Multiplying the
+    // factors out gives beta + gamma = p + y and beta gamma = r.
+    let apart = if y < p.abs() / 8.0 {
+        ((p + y) * (p + y) - 4.0 * r).max(0.0).sqrt().copysign(q)
+    } else {
+        q / alpha
+    };
+    // The discriminants of the two factors: alpha^2 - 4 beta and alpha^2 - 4 gamma. A factor with a negative
+    // one has no roots.
+    let (first, second) = (2.0 * (apart - p) - y, -2.0 * (apart + p) - y);
+    if first >= 0.0 {
+        (-alpha - first.sqrt()) / 2.0
+    } else if second >= 0.0 {
+        (alpha - second.sqrt()) / 2.0
+    } else {
+        MISS
+    }
 }
-
-define_first_root!(first_root_f32, f32);
-define_first_root!(first_root_f64, f64);
 
 /// The coefficients of `s^4 + p s^2 + q s + r`, which is the program's G multiplied out.
 pub fn plain_quartic(torus: &Torus, ray: &Ray) -> [f64; 3] {
@@ -136,7 +123,7 @@ pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
 }
 
 /// The textbook's solution, in f32 or in f64: Ferrari's formulas for the distance t from the
-/// viewer. They are the formulas of `first_root_f64`, without its precautions against rounding.
+/// viewer. They are the formulas of `first_root`, without its precautions against rounding.
 ///
 /// In t, the surface is where
 /// ```text
