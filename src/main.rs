@@ -1067,7 +1067,7 @@ impl Console {
             match (&self.file).write(bytes) {
                 Ok(count) => (bytes, pause) = (&bytes[count..], Duration::ZERO),
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock && !self.is_ending() => {
-                    pause = TICK.min(2 * pause + Duration::from_millis(1));
+                    pause = TICK.min(pause + Duration::from_millis(1));
                     thread::sleep(pause);
                 }
                 Err(error) => return Err(error),
