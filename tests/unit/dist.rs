@@ -116,7 +116,8 @@ fn the_manual_page_says_which_values_are_allowed() {
     }
 }
 
-/// Some options are not allowed together. The page has to state these rules in the words of the error message.
+/// Some options are not allowed together. The page has to state these rules in the words of the error
+/// message.
 #[test]
 fn the_manual_page_has_every_rule_between_options() {
     let page = manual_page();
