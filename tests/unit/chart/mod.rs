@@ -138,17 +138,16 @@ fn scores(methods: &mut [NamedMethod], view: &View, poses: &[(f64, f64)]) -> Vec
     let mut scores: Vec<_> = methods.iter().map(|_| Score::default()).collect();
     for &(a, b) in poses {
         let oracle = oracle_of(view, a, b);
-        let mut cells = vec![vec![b' '; view.width * view.height]; methods.len()];
-        for (method, cells) in methods.iter_mut().zip(&mut cells) {
-            (method.draw)(a, b, cells);
+        let mut pictures = vec![vec![b' '; view.width * view.height]; methods.len()];
+        for (method, picture) in methods.iter_mut().zip(&mut pictures) {
+            (method.draw)(a, b, picture);
         }
-        let places = (1..view.height).flat_map(|row| (1..view.width).map(move |x| (row, x)));
-        for (row, column) in places {
-            let (dx, dy) = direction(view, column as f64 + 0.5, row as f64 + 0.5);
-            let seen = oracle.look(dx, dy).map(|light| light.max(0.0) as usize);
-            for (score, cells) in scores.iter_mut().zip(&cells) {
+        for (column, row) in cells(view) {
+            let (dx, dy) = cell_direction(view, (column, row));
+            let seen = oracle.look(dx, dy).map(level_of);
+            for (score, picture) in scores.iter_mut().zip(&pictures) {
                 score.surface += usize::from(seen.is_some());
-                let drawn = level(cells[row * view.width + column]);
+                let drawn = level(picture[row * view.width + column]);
                 if drawn != seen {
                     let verdict = oracle.judge(dx, dy, drawn);
                     score.differing.count(verdict);
