@@ -4,7 +4,6 @@
 
 use std::fs;
 use std::process::Command;
-use std::sync::LazyLock;
 
 use sha2::{Digest, Sha256};
 
@@ -14,10 +13,6 @@ fn output_of(options: &[&str]) -> Vec<u8> {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     output.stdout
 }
-
-/// The program's first 10,000 frames. Two tests look at them, and the program draws them once for both.
-static FIRST_10_000: LazyLock<Vec<u8>> =
-    LazyLock::new(|| output_of(&["--frames=10000", "--fps=0"]));
 
 /// Splits what the program has written into frames, and takes off the `ESC [ H` that begins each.
 fn frames(stream: &[u8]) -> Vec<String> {
@@ -38,8 +33,9 @@ fn assert_golden(name: &str, frame: &str) {
 }
 
 #[test]
-fn frames_are_those_recorded_from_donut_c() {
-    let frames = frames(&FIRST_10_000);
+fn the_first_10000_frames_are_those_recorded_from_donut_c() {
+    let stream = output_of(&["--frames=10000", "--fps=0"]);
+    let frames = frames(&stream);
     // Five of these frames are the first that a common mistake changes:
     // - 17: theta and phi are in f64,
     // - 49: A and B are in f64,
@@ -49,33 +45,25 @@ fn frames_are_those_recorded_from_donut_c() {
     for n in [0, 17, 49, 58, 92, 974, 9999] {
         assert_golden(&format!("donut.c-frame-{n}"), &frames[n]);
     }
-}
-
-#[test]
-fn the_first_10000_frames_have_donut_cs_hash() {
     // The SHA-256 of what donut.c writes after the `ESC [ 2 J` at its start, in its first 10,000 frames.
     // donut.c was compiled by `gcc -std=gnu89 -O2` on x86-64.
     let expected = "351752a14d2a6de405e84f614d4011f429dc0350d84a4b233d52b7aecae65ff8";
-    assert_eq!(sha256(&FIRST_10_000[4..]), expected);
+    assert_eq!(sha256(&stream[4..]), expected);
 }
 
-/// Draws one pose at each of these sizes, and compares the pictures with the stored ones.
-fn assert_stored(method: &str, sizes: &[(&str, &str)]) {
-    for (width, height) in sizes {
-        let pose = ["-A=1", "-B=0.5", "--frames=1", "--method", method];
-        let stream = output_of(&[&pose[..], &["--width", width, "--height", height]].concat());
-        assert_golden(&format!("{method}-{width}x{height}"), &frames(&stream)[0]);
+#[test]
+fn other_pictures_are_those_stored() {
+    for (method, width, height) in [
+        ("classic", 40, 12),
+        ("classic", 120, 36),
+        ("exact", 80, 22),
+        ("exact", 120, 36),
+        ("exact", 200, 60),
+    ] {
+        let size = [format!("--width={width}"), format!("--height={height}")];
+        let pose = ["-A=1", "-B=0.5", "--frames=1", "--method", method, &size[0], &size[1]];
+        assert_golden(&format!("{method}-{width}x{height}"), &frames(&output_of(&pose))[0]);
     }
-}
-
-#[test]
-fn classic_draws_the_stored_pictures_at_other_sizes() {
-    assert_stored("classic", &[("40", "12"), ("120", "36")]);
-}
-
-#[test]
-fn exact_draws_the_stored_pictures() {
-    assert_stored("exact", &[("80", "22"), ("120", "36"), ("200", "60")]);
 }
 
 /// `.ci/run` runs this test twice, in a debug build and in a release build. So the pictures must

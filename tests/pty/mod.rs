@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, SlavePty, native_pty_system};
 use rustix::fs::{self, Mode, OFlags};
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
-use rustix::termios::{self, ControlModes, InputModes, LocalModes, OutputModes, SpecialCodeIndex};
+use rustix::termios;
 use vt100::{Parser, Screen};
 
 /// How long to wait for something that has to happen, even on a busy machine.
@@ -27,7 +27,7 @@ pub struct Pty {
     keys: Option<Arc<Mutex<dyn Write + Send>>>,
     seen: Arc<Mutex<Seen>>,
     /// The terminal's settings before the program started.
-    settings: Settings,
+    settings: String,
 }
 
 struct Seen {
@@ -35,25 +35,16 @@ struct Seen {
     bytes: Vec<u8>,
 }
 
-/// A terminal's modes (for input, output, control and local), and its special characters.
-type Settings = (InputModes, OutputModes, ControlModes, LocalModes, [u8; 8]);
+/// The child of a process, as `ps` sees it.
+pub struct Job {
+    pub pid: Pid,
+    pub is_stopped: bool,
+    pub is_in_foreground: bool,
+}
 
-fn settings(terminal: &File) -> Settings {
-    use SpecialCodeIndex as Code;
-    let now = termios::tcgetattr(terminal).unwrap();
-    // There are more special characters, but not all of them are set on each system.
-    let codes = [
-        Code::VINTR,
-        Code::VQUIT,
-        Code::VSUSP,
-        Code::VEOF,
-        Code::VERASE,
-        Code::VKILL,
-        Code::VSTART,
-        Code::VSTOP,
-    ];
-    let codes = codes.map(|code| now.special_codes[code]);
-    (now.input_modes, now.output_modes, now.control_modes, now.local_modes, codes)
+/// A terminal's modes and special characters.
+fn settings(terminal: &File) -> String {
+    format!("{:?}", termios::tcgetattr(terminal).unwrap())
 }
 
 fn tty_name(master: &dyn MasterPty) -> String {
@@ -75,8 +66,8 @@ fn pty_size((cols, rows): (u16, u16)) -> PtySize {
 
 impl Pty {
     /// Runs a program on a terminal with this number of columns and of rows.
-    pub fn run(program: &str, arguments: &[&str], size: (u16, u16), term: &str) -> Pty {
-        let pty = Pty::run_unread(program, arguments, size, term);
+    pub fn run(program: &str, arguments: &[&str], size: (u16, u16)) -> Pty {
+        let pty = Pty::run_unread(program, arguments, size);
         pty.start_reading(1 << 16, Duration::ZERO);
         pty
     }
@@ -108,16 +99,8 @@ impl Pty {
         Ok(count)
     }
 
-    /// Runs an interactive shell, which has job control.
-    pub fn shell(shell: &str, size: (u16, u16)) -> Pty {
-        let options = if shell == "bash" { &["--norc", "-i"][..] } else { &["-i"] };
-        let pty = Pty::run(shell, options, size, "xterm-256color");
-        pty.wait_for("a prompt", |pty| !pty.written().is_empty());
-        pty
-    }
-
     /// Runs a program on a terminal that does not read its output, until `start_reading` is called.
-    pub fn run_unread(program: &str, arguments: &[&str], size: (u16, u16), term: &str) -> Pty {
+    pub fn run_unread(program: &str, arguments: &[&str], size: (u16, u16)) -> Pty {
         let pair = native_pty_system().openpty(pty_size(size)).unwrap_or_else(|error| {
             panic!("this test needs a pseudo-terminal, and this machine gives it none: {error}")
         });
@@ -127,7 +110,7 @@ impl Pty {
         // By default, this would be the home folder, which a build machine may lack.
         command.cwd("/");
         // The shells have to speak English, and must not write to anybody's history.
-        for (name, value) in [("TERM", term), ("LC_ALL", "C"), ("HISTFILE", "")] {
+        for (name, value) in [("TERM", "xterm"), ("LC_ALL", "C"), ("HISTFILE", "")] {
             command.env(name, value);
         }
         let child = pair.slave.spawn_command(command).unwrap();
@@ -190,59 +173,38 @@ impl Pty {
         kill_process_group(self.pid(), signal).unwrap();
     }
 
-    /// What `ps` says in one column about the process that the program runs: for a shell, its job.
-    /// `None` if this process has ended.
-    fn ps_column_of_job(&self, column: &str) -> Option<String> {
-        self.ps_column_of_child(self.pid(), column)
-    }
-
-    /// What `ps` says in one column about the child of this process, or `None` if it has no child.
-    fn ps_column_of_child(&self, parent: Pid, column: &str) -> Option<String> {
-        let parent = parent.as_raw_pid().to_string();
+    /// The child of this process. `None` if it has ended.
+    pub fn child_of(&self, parent: Pid) -> Option<Job> {
         let path = self.path();
-        let terminal = path.strip_prefix("/dev/").unwrap();
-        let columns = ["-t", terminal, "-o", "ppid=", "-o", "state=", "-o", column];
-        let processes = Command::new("ps").args(columns).output().unwrap();
-        let processes = String::from_utf8(processes.stdout).unwrap();
-        processes.lines().find_map(|line| {
-            let (ppid, rest) = line.trim().split_once(' ')?;
-            let (state, value) = rest.trim().split_once(' ')?;
-            (ppid == parent && !state.starts_with('Z')).then(|| value.trim().to_string())
+        let columns = ["-o", "ppid=", "-o", "pid=", "-o", "pgid=", "-o", "tpgid=", "-o", "state="];
+        let terminal = ["-t", path.strip_prefix("/dev/").unwrap()];
+        let processes = Command::new("ps").args(terminal).args(columns).output().unwrap();
+        String::from_utf8(processes.stdout).unwrap().lines().find_map(|line| {
+            let [ppid, pid, pgid, tpgid, state] =
+                line.split_whitespace().collect::<Vec<_>>().try_into().ok()?;
+            let is_child = ppid == parent.as_raw_pid().to_string() && !state.starts_with('Z');
+            is_child.then(|| Job {
+                pid: Pid::from_raw(pid.parse().unwrap()).unwrap(),
+                is_stopped: state.starts_with('T'),
+                is_in_foreground: pgid == tpgid,
+            })
         })
     }
 
-    /// The child of this process. `None` if it has ended.
-    pub fn child_pid(&self, parent: Pid) -> Option<Pid> {
-        Pid::from_raw(self.ps_column_of_child(parent, "pid=")?.parse().unwrap())
-    }
-
-    /// The process that the program runs. `None` if it has ended.
-    pub fn job_pid(&self) -> Option<Pid> {
-        self.child_pid(self.pid())
-    }
-
-    /// Whether the process that the program runs has a handler for SIGTERM.
-    pub fn has_sigterm_handler(&self) -> bool {
-        let caught =
-            self.ps_column_of_job("caught=").and_then(|mask| u64::from_str_radix(&mask, 16).ok());
-        const SIGTERM_BIT: u64 = 1 << (15 - 1);
-        caught.is_some_and(|mask| mask & SIGTERM_BIT != 0)
-    }
-
-    /// Whether the process that the program runs has the terminal.
-    pub fn has_job_in_foreground(&self) -> bool {
-        self.ps_column_of_job("pgid=") == self.ps_column_of_job("tpgid=")
+    /// The process that the program runs: for a shell, its job. `None` if it has ended.
+    pub fn job(&self) -> Option<Job> {
+        self.child_of(self.pid())
     }
 
     /// Whether the process that the program runs is stopped.
     pub fn is_stopped(&self) -> bool {
-        self.ps_column_of_job("state=").is_some_and(|state| state.starts_with('T'))
+        self.job().is_some_and(|job| job.is_stopped)
     }
 
     /// Sends a signal to the process that the program runs, and to no other.
     #[track_caller]
     pub fn signal_job(&self, signal: Signal) {
-        kill_process(self.job_pid().expect("a job"), signal).unwrap();
+        kill_process(self.job().expect("a job").pid, signal).unwrap();
     }
 
     pub fn path(&self) -> String {
@@ -295,13 +257,13 @@ impl Pty {
         self.child.borrow_mut().try_wait().unwrap().is_none()
     }
 
-    /// Waits for the program to end, and until all that it has written is read. Returns what a shell would
-    /// call its exit code.
+    /// Waits for the program to end with what a shell would call this exit code, and until all that it has
+    /// written is read. The terminal has to be as it was.
     #[track_caller]
-    pub fn wait_for_exit_and_output(&self) -> u32 {
-        let code = self.wait_for_exit();
+    pub fn assert_ends(&self, code: u32) {
+        assert_eq!(self.wait_for_exit(), code);
         self.wait_for_output();
-        code
+        self.assert_restored();
     }
 
     /// Waits until all that has been written so far is read.
@@ -337,17 +299,22 @@ impl Pty {
         assert!(!alternate, "the alternate screen is still there");
         assert_eq!(self.screen(Screen::fgcolor), vt100::Color::Default);
         let written = self.written();
-        assert!(written.rfind("\x1b[?2026h") < written.rfind("\x1b[?2026l"), "an update is open");
+        // Where there was no update, both are `None`.
+        assert!(written.rfind("\x1b[?2026h") <= written.rfind("\x1b[?2026l"), "an update is open");
         self.assert_settings_restored();
     }
 
     #[track_caller]
     pub fn assert_settings_restored(&self) {
-        assert_eq!(settings(&self.open()), self.settings);
+        assert_eq!(self.settings(), self.settings);
     }
 
     pub fn has_changed_settings(&self) -> bool {
-        settings(&self.open()) != self.settings
+        self.settings() != self.settings
+    }
+
+    pub fn settings(&self) -> String {
+        settings(&self.open())
     }
 }
 

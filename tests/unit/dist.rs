@@ -2,7 +2,6 @@
 //! program. The completions for shells are generated from the program's options, and these tests
 //! generate them again.
 
-use super::stored::{assert_current, read};
 use super::*;
 use clap::builder::PossibleValuesParser;
 use clap_complete::{Shell, generate};
@@ -39,6 +38,21 @@ fn color_names() -> Vec<&'static str> {
     names.trim_end_matches('.').split(',').map(str::trim).collect()
 }
 
+/// Checks that a text names a range: "from 0 to 10" is not in "from 0 to 100".
+fn assert_allows(text: &str, range: &str) {
+    let mut rests = text.match_indices(range).map(|(start, _)| &text[start + range.len()..]);
+    let is_named = rests.any(|rest| !rest.starts_with(|next: char| next.is_ascii_digit()));
+    assert!(is_named, "no {range:?} in {text:?}");
+}
+
+/// The range of an option, taken from the error message for another value.
+fn range(option: &str) -> String {
+    let value = if option == "--spin" { "x,x" } else { "x" };
+    let refused = Options::try_parse_from(["donut", option, value]).err().unwrap().to_string();
+    let start = refused.find("from ").unwrap();
+    refused[start..].split('\n').next().unwrap().to_string()
+}
+
 #[test]
 fn the_manual_page_has_every_option_with_its_values_and_no_other() {
     let page = manual_page();
@@ -46,6 +60,11 @@ fn the_manual_page_has_every_option_with_its_values_and_no_other() {
     command.build();
     let mut options = BTreeSet::new();
     for option in command.get_arguments() {
+        let has_heading = option.get_help_heading().is_some();
+        assert!(
+            has_heading || option.get_id() == "help" || option.get_id() == "version",
+            "{option}"
+        );
         let short = option.get_short().map(|letter| format!("-{letter}"));
         let long = option.get_long().map(|word| format!("--{word}"));
         for name in short.iter().chain(&long) {
@@ -69,46 +88,21 @@ fn the_manual_page_has_every_option_with_its_values_and_no_other() {
     assert_eq!(named.collect::<BTreeSet<_>>(), options);
 }
 
-/// Checks that a text names a range: "from 0 to 10" is not in "from 0 to 100".
-fn assert_allows(text: &str, range: &str) {
-    let mut rests = text.match_indices(range).map(|(start, _)| &text[start + range.len()..]);
-    let is_named = rests.any(|rest| !rest.starts_with(|next: char| next.is_ascii_digit()));
-    assert!(is_named, "no {range:?} in {text:?}");
-}
-
-/// The range of an option, taken from the error message for another value.
-fn range(option: &str) -> String {
-    let value = if option == "--spin" { "x,x" } else { "x" };
-    let refused = Options::try_parse_from(["donut", option, value]).err().unwrap().to_string();
-    let start = refused.find("from ").unwrap();
-    refused[start..].split('\n').next().unwrap().to_string()
-}
-
 #[test]
-fn the_help_says_which_numbers_are_allowed() {
-    let command = Options::command();
-    for (name, range) in [
-        ("fps", range("--fps")),
-        ("spin", range("--spin")),
-        ("width", range("--width")),
-        ("height", range("--height")),
-        ("aspect", range("--aspect")),
-        ("r2", range("--r2")),
-        ("k2", format!("{LEAST_DISTANCE} times the sum of 1 and --r2")),
-    ] {
-        let option = command.get_arguments().find(|option| option.get_id() == name).unwrap();
-        let help = option.get_long_help().or(option.get_help()).unwrap().to_string();
-        assert_allows(&help.replace("From", "from"), &range);
-    }
-}
-
-#[test]
-fn the_manual_page_says_which_values_are_allowed() {
-    let page = manual_page();
-    for option in
+fn the_manual_page_and_the_help_say_which_values_are_allowed() {
+    let (page, command) = (manual_page(), Options::command());
+    for name in
         ["--fps", "--frames", "--spin", "-A", "-B", "--width", "--height", "--aspect", "--r2"]
     {
-        assert_allows(entry(&page, option).1, &range(option));
+        let range = range(name);
+        assert_allows(entry(&page, name).1, &range);
+        let id = name.trim_start_matches('-');
+        // Of these options, the help says what they do, and not the range, which is wide.
+        if !["frames", "A", "B"].contains(&id) {
+            let option = command.get_arguments().find(|option| option.get_id() == id).unwrap();
+            let help = option.get_long_help().or(option.get_help()).unwrap().to_string();
+            assert_allows(&help.replace("From", "from"), &range);
+        }
     }
     let colors: Vec<_> = entry(&page, "--color").1.split([' ', ',', '.', '\n']).collect();
     for name in color_names() {
@@ -121,7 +115,9 @@ fn the_manual_page_says_which_values_are_allowed() {
 #[test]
 fn the_manual_page_has_every_rule_between_options() {
     let page = manual_page();
+    let help = Options::command().render_long_help().to_string();
     assert_allows(entry(&page, "--k2").1, "at most 1000000");
+    assert_contains(&help, "1.001 times the sum of 1 and --r2");
     for [option, value, rule] in [
         ["--k2", "2.5", "1.001 times the sum of 1 and --r2"],
         ["--method", "classic", "--method classic needs --r2 2 and --k2 5"],
@@ -133,21 +129,15 @@ fn the_manual_page_has_every_rule_between_options() {
 }
 
 #[test]
-fn every_option_has_a_heading() {
-    let command = Options::command();
-    let options = command.get_arguments().filter(|option| option.get_help_heading().is_none());
-    let options: Vec<_> = options.map(|option| option.get_id().as_str()).collect();
-    assert!(options.is_empty(), "without a heading: {options:?}");
-}
-
-#[test]
 fn the_manual_page_has_the_keys_exit_codes_and_examples_and_the_version() {
-    let page = manual_page();
+    let (page, readme) = (manual_page(), read("README.md"));
     let (keys, examples) = AFTER_HELP.split_once("\n\nExamples:\n").unwrap();
     for line in keys.lines().skip(1) {
         let (names, _) = line.trim().split_once("  ").unwrap();
         for name in names.split(", ") {
             entry(&page, name);
+            let is_row = |line: &str| line.starts_with('|') && line.contains(&format!("`{name}`"));
+            assert!(readme.lines().any(is_row), "the README's table of keys lacks {name}");
         }
     }
     for code in ["0", "1", "2", "101"] {
@@ -161,14 +151,6 @@ fn the_manual_page_has_the_keys_exit_codes_and_examples_and_the_version() {
     let version = concat!("\"donut ", env!("CARGO_PKG_VERSION"), "\"");
     assert_contains(page.lines().next().unwrap(), version);
 }
-
-/// The shells that have completions, and the files that these are in.
-const SHELLS: [(Shell, &str); 4] = [
-    (Shell::Bash, "donut.bash"),
-    (Shell::Zsh, "_donut"),
-    (Shell::Fish, "donut.fish"),
-    (Shell::PowerShell, "_donut.ps1"),
-];
 
 fn completion(shell: Shell) -> String {
     // --color takes numbers as well, but only names can be completed.
@@ -187,20 +169,20 @@ fn completion(shell: Shell) -> String {
     }
 }
 
+/// The completions offer the names of the colours and no files. In fish, an option with -r but without -f
+/// would complete the names of files. The script for PowerShell completes no values at all.
 #[test]
 fn the_stored_completions_are_those_for_the_options() {
-    for (shell, name) in SHELLS {
-        assert_current(&format!("tests/dist/{name}"), &completion(shell));
-    }
-}
-
-#[test]
-fn completions_offer_the_names_of_the_colours_and_no_files() {
-    // The script for PowerShell completes the options, but not their values.
-    for shell in [Shell::Bash, Shell::Zsh, Shell::Fish] {
+    for (shell, name) in [
+        (Shell::Bash, "donut.bash"),
+        (Shell::Zsh, "_donut"),
+        (Shell::Fish, "donut.fish"),
+        (Shell::PowerShell, "_donut.ps1"),
+    ] {
         let script = completion(shell);
-        assert!(color_names().iter().all(|name| script.contains(name)), "{shell}: {script}");
-        // In fish, an option with -r but without -f completes the names of files.
+        assert_current(&format!("tests/dist/{name}"), &script);
+        let has_colors = color_names().iter().all(|name| script.contains(name));
+        assert_eq!(has_colors, shell != Shell::PowerShell, "{shell}: {script}");
         for files in ["compgen -f", "-o default", "-o bashdefault", "_default", "_files", "-r\n"] {
             assert!(!script.contains(files), "{shell} has {files}: {script}");
         }

@@ -6,12 +6,10 @@
 //! - `clock.rs`: the angles A and B of frame after frame, and the method that draws each by default.
 //! - `panic.rs`: the terminal is restored after a panic.
 //! - `dist.rs`: the manual page and the completions in tests/dist say what the program does.
-//! - `chart/`: measures the speed and the accuracy of several methods, and draws the charts of
-//!   tests/chart. The methods that are not the program's own are in `other_methods.rs`, and the
-//!   drawing is in `plot.rs`.
+//! - `chart/`: measures the speed and the accuracy of several methods, and draws the README's pictures.
 //!
-//! This file has what several of these tests need: views, poses, and the comparison of a picture
-//! with what the oracle sees.
+//! This file has what several of these tests need: stored files, views, poses, and the comparison of a
+//! picture with what the oracle sees.
 
 mod chart;
 mod classic;
@@ -21,11 +19,31 @@ mod exact;
 mod oracle;
 #[cfg(unix)]
 mod panic;
-#[path = "../stored/mod.rs"]
-mod stored;
 
 use super::*;
+use clock::{FROZEN, HANDOVER};
 use oracle::{Oracle, Verdict, differ, level_of};
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::fs;
+
+/// The full path of a file of the source tree.
+fn path(name: &str) -> String {
+    format!("{}/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(name: &str) -> String {
+    fs::read_to_string(path(name)).unwrap()
+}
+
+/// Checks that a file that the program makes, or that is made from its options, has these contents. With
+/// `UPDATE=1` in the environment, writes them first.
+#[track_caller]
+fn assert_current(name: &str, contents: &str) {
+    if env::var_os("UPDATE").is_some() {
+        fs::write(path(name), contents).unwrap();
+    }
+    assert!(read(name) == contents, "{name} is stale: run UPDATE=1 cargo test, and commit it");
+}
 
 /// donut.c's view, with each cell divided into `scale` by `scale` cells. The program itself draws this
 /// view only at a scale of 1. Otherwise it fits the donut to the picture, as `fitted` does.
@@ -88,12 +106,12 @@ fn draw(method: Method, view: View, a: f64, b: f64) -> Vec<u8> {
     renderer.framebuffer
 }
 
-/// Counts the cells of pictures: all, those that show the donut, and those of each verdict of the
-/// oracle but `Right`. `oracle.rs` explains the verdicts.
+/// Counts the cells of pictures: all, those in which the oracle sees the donut, and those of each of its
+/// verdicts but `Right`. `oracle.rs` explains the verdicts.
 #[derive(Debug, Default)]
 struct Tally {
     cells: usize,
-    drawn: usize,
+    surface: usize,
     ties: usize,
     holes: usize,
     extra: usize,
@@ -101,16 +119,6 @@ struct Tally {
 }
 
 impl Tally {
-    /// Adds the cells of a picture that should show the oracle's torus.
-    fn add(&mut self, oracle: &Oracle, view: &View, framebuffer: &[u8]) {
-        for (column, row) in cells(view) {
-            let (dx, dy) = cell_direction(view, (column, row));
-            let drawn = level(framebuffer[row * view.width + column]);
-            self.count(oracle.judge(dx, dy, drawn));
-            self.drawn += usize::from(drawn.is_some());
-        }
-    }
-
     fn count(&mut self, verdict: Verdict) {
         self.cells += 1;
         match verdict {
@@ -129,8 +137,33 @@ impl Tally {
     /// Checks that no cell is wrong, that some cells show the donut, and that almost none are ties.
     #[track_caller]
     fn assert_right(&self) {
-        println!("{self:?}");
-        assert!(self.drawn > 0 && self.wrong() == 0, "{self:?}");
+        assert!(self.surface > 0 && self.wrong() == 0, "{self:?}");
         assert!(self.ties * 10_000 <= self.cells, "{self:?}");
     }
+}
+
+/// Lets the oracle judge every cell of several pictures of the donut, turned by A and B. Each picture has a
+/// tally of its own.
+fn add_pictures(tallies: &mut [Tally], view: &View, (a, b): (f64, f64), pictures: &[Vec<u8>]) {
+    let oracle = oracle_of(view, a, b);
+    for (column, row) in cells(view) {
+        let (dx, dy) = cell_direction(view, (column, row));
+        let seen = oracle.look(dx, dy).map(level_of);
+        for (tally, picture) in tallies.iter_mut().zip(pictures) {
+            let drawn = level(picture[row * view.width + column]);
+            tally.surface += usize::from(seen.is_some());
+            // `judge` looks again, which takes its time.
+            tally.count(if drawn == seen { Verdict::Right } else { oracle.judge(dx, dy, drawn) });
+        }
+    }
+}
+
+/// Draws the donut by exact at each pair of angles A and B, and lets the oracle judge every cell.
+fn compare(view: View, poses: &[(f64, f64)]) -> Tally {
+    let mut tally = Tally::default();
+    for &(a, b) in poses {
+        let picture = draw(Method::Exact, view, a, b);
+        add_pictures(std::slice::from_mut(&mut tally), &view, (a, b), &[picture]);
+    }
+    tally
 }

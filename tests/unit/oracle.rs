@@ -85,18 +85,19 @@ impl Oracle {
         let blur = GRAZE_TIE * (1.0 + self.r2);
         let (mut thin, mut thick) = (1.0 - blur, 1.0 + blur);
         let look = |r1| self.look_at_tube(r1, dx, dy);
-        let thinnest = look(thin);
-        let mut lights = vec![thinnest, look(thick)];
+        let mut lights = vec![look(thin), look(thick)];
         // If the two differ, there is a tube between them that the ray only just touches. This bisection
         // closes in on it.
-        while differ(thinnest, lights[1]) {
-            let middle = (thin + thick) / 2.0;
-            if middle == thin || middle == thick {
-                break;
-            }
+        let mut middle = 1.0;
+        while differ(lights[0], lights[1]) && thin < middle && middle < thick {
             let light = look(middle);
             lights.push(light);
-            if differ(thinnest, light) { thick = middle } else { thin = middle }
+            if differ(lights[0], light) {
+                thick = middle
+            } else {
+                thin = middle
+            }
+            middle = (thin + thick) / 2.0;
         }
         lights
     }

@@ -20,13 +20,9 @@ fn a_donut_that_panics() {
 fn a_panic_restores_the_terminal_and_is_shown() {
     let program = env::current_exe().unwrap();
     let panics = ["--ignored", "--nocapture", "--exact", "tests::panic::a_donut_that_panics"];
-    let pty = Pty::run(program.to_str().unwrap(), &panics, (80, 100), "xterm");
-    assert_eq!(pty.wait_for_exit_and_output(), 101);
-    pty.assert_restored();
+    let pty = Pty::run(program.to_str().unwrap(), &panics, (80, 100));
+    pty.assert_ends(101);
     assert_eq!(pty.written().matches("\x1b[?1049l").count(), 1);
-    assert!(
-        pty.lines().iter().any(|line| line.contains("panicked at src/main.rs")),
-        "{:?}",
-        pty.lines()
-    );
+    let lines = pty.lines();
+    assert!(lines.iter().any(|line| line.contains("panicked at src/main.rs")), "{lines:?}");
 }

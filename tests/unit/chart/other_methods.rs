@@ -1,38 +1,26 @@
-//! Other methods of drawing the donut, to compare with the program's own.
+//! Other ways to find what a ray hits first, to compare with the program's own. They use its rays and its
+//! shading, in f64.
 //!
-//! The chart compares their times, so the methods in it should not be slow for no reason. Sphere
-//! tracing follows several rays side by side, as exact does; the closed form takes one ray at a
-//! time. Only `donut_c` is deliberately written as donut.c is. `newton_once` and the textbook
-//! formulas are not timed, only judged.
-//!
-//! The methods that follow rays use the program's own rays and shading, in f64. They differ from
-//! exact only in how they find a ray's first hit.
+//! The chart compares times, so the methods in it should not be slow for no reason: sphere tracing follows
+//! several rays side by side, as exact does. `newton_once` and the textbook's formulas are only judged.
 
 use crate::tests::*;
 
 /// How many rays sphere tracing follows side by side.
 const RAYS: usize = 16;
 
-/// Sphere tracing, in f32. The search starts at the sphere round the donut. Each step along the ray
-/// is as long as the distance to the surface, so it cannot pass the surface.
+/// Sphere tracing, in f32. The search starts at the sphere round the donut. Each step along the ray is as
+/// long as the distance to the surface, so it cannot pass the surface.
 ///
-/// A ray has hit when the distance is at most a tolerance. It has missed when it leaves the sphere,
-/// or when `most_steps` steps were not enough. Both kinds of error depend on the tolerance: if it
-/// is small, more rays run out of steps before they hit; if it is large, more rays stop beside an
-/// outline that they should pass. The tolerance `1 / most_steps^2` is a compromise: the more steps there
-/// are, the smaller it is.
+/// A ray has hit when the distance is at most a tolerance. It has missed when it leaves the sphere, or when
+/// `most_steps` steps were not enough. If the tolerance is small, more rays run out of steps before they hit;
+/// if it is large, more rays stop beside an outline that they should pass. `1 / most_steps^2` is a compromise.
 pub fn sphere_trace(r2: f64, rays: &[Ray; RAYS], most_steps: usize) -> [f64; RAYS] {
-    let tolerance = (most_steps as f32).powi(-2);
-    let [mut d0_squared, mut f0, mut fu] = [[0.0; RAYS]; 3];
-    for (i, ray) in rays.iter().enumerate() {
-        [d0_squared[i], f0[i], fu[i]] =
-            [ray.d0_squared, ray.f0, ray.fu].map(|number| number as f32);
-    }
-    let r2 = r2 as f32;
-    let radius_squared = (1.0 + r2) * (1.0 + r2);
-    let half = d0_squared.map(|d0_squared| (radius_squared - d0_squared).max(0.0).sqrt());
-    let mut s = half.map(|half| -half);
-    let mut distance = [f32::INFINITY; RAYS];
+    let (r2, tolerance) = (r2 as f32, (most_steps as f32).powi(-2));
+    let d0_squared = rays.map(|ray| ray.d0_squared as f32);
+    let (f0, fu) = (rays.map(|ray| ray.f0 as f32), rays.map(|ray| ray.fu as f32));
+    let half = d0_squared.map(|square| ((1.0 + r2) * (1.0 + r2) - square).max(0.0).sqrt());
+    let (mut s, mut distance) = (half.map(|half| -half), [f32::INFINITY; RAYS]);
     for _ in 0..most_steps {
         let mut running = false;
         for i in 0..RAYS {
@@ -50,6 +38,12 @@ pub fn sphere_trace(r2: f64, rays: &[Ray; RAYS], most_steps: usize) -> [f64; RAY
     std::array::from_fn(|i| if distance[i] <= tolerance { s[i].into() } else { MISS })
 }
 
+/// The coefficients of `s^4 + p s^2 + q s + r`, which is the program's G multiplied out.
+fn plain_quartic(torus: &Torus, ray: &Ray) -> [f64; 3] {
+    let [p, q, r] = torus.quartic(ray);
+    [2.0 * p, q, p * p + r]
+}
+
 /// The closed form: the first root of G(s) = 0 by Ferrari's solution.
 ///
 /// Ferrari writes G as a product. That is possible if `y = alpha^2` solves another equation, the
@@ -64,7 +58,8 @@ pub fn sphere_trace(r2: f64, rays: &[Ray; RAYS], most_steps: usize) -> [f64; RAY
 ///
 /// With `y = v - 2/3 p` the resolvent becomes `v^3 - 3 m v - 2 n = 0`. If this has three roots, the
 /// largest is found by a cosine. If it has one, the root is found by Cardano's formula.
-pub fn first_root([p, q, r]: [f64; 3]) -> f64 {
+pub fn closed_form(torus: &Torus, ray: &Ray) -> f64 {
+    let [p, q, r] = plain_quartic(torus, ray);
     let m = (p * p + 12.0 * r) / 9.0;
     let n = p * p * p / 27.0 - 4.0 / 3.0 * p * r + q * q / 2.0;
     let discriminant = n * n - m * m * m;
@@ -86,21 +81,10 @@ pub fn first_root([p, q, r]: [f64; 3]) -> f64 {
         q / alpha
     };
     // The discriminants of the two factors: alpha^2 - 4 beta and alpha^2 - 4 gamma. A factor with a negative
-    // one has no roots.
+    // one has no roots: its square root is NaN, which `min` ignores.
     let (first, second) = (2.0 * (apart - p) - y, -2.0 * (apart + p) - y);
-    if first >= 0.0 {
-        (-alpha - first.sqrt()) / 2.0
-    } else if second >= 0.0 {
-        (alpha - second.sqrt()) / 2.0
-    } else {
-        MISS
-    }
-}
-
-/// The coefficients of `s^4 + p s^2 + q s + r`, which is the program's G multiplied out.
-pub fn plain_quartic(torus: &Torus, ray: &Ray) -> [f64; 3] {
-    let [p, q, r] = torus.quartic(ray);
-    [2.0 * p, q, p * p + r]
+    let root = if first >= 0.0 { -alpha - first.sqrt() } else { alpha - second.sqrt() };
+    f64::min(root / 2.0, MISS)
 }
 
 /// Newton's method with a single start: the point where the ray enters the sphere round the donut.
@@ -123,7 +107,7 @@ pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
 }
 
 /// The textbook's solution, in f32 or in f64: Ferrari's formulas for the distance t from the
-/// viewer. They are the formulas of `first_root`, without its precautions against rounding.
+/// viewer. They are the formulas of `closed_form`, without its precautions against rounding.
 ///
 /// In t, the surface is where
 /// ```text
@@ -135,12 +119,11 @@ pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
 macro_rules! textbook {
     ($name:ident, $float:ident) => {
         pub fn $name(torus: &Torus, k2: f64, &Ray { d0_squared, fu, .. }: &Ray) -> f64 {
-            let (t0, f, r2_r2) =
-                ((k2 * k2 - d0_squared).sqrt(), -k2 * torus.axis[2], torus.r2 * torus.r2);
-            let [t0, f, fu, k2, r2_r2] = [t0, f, fu, k2, r2_r2].map(|value| value as $float);
-            let four_r2_r2 = 4.0 * r2_r2;
+            let (t0, f) = ((k2 * k2 - d0_squared).sqrt(), -k2 * torus.axis[2]);
+            let [t0, f, fu, k2, r2] = [t0, f, fu, k2, torus.r2].map(|value| value as $float);
+            let four_r2_r2 = 4.0 * r2 * r2;
             // t^4 + a t^3 + b t^2 + c t + d
-            let k = k2 * k2 + r2_r2 - 1.0;
+            let k = k2 * k2 + r2 * r2 - 1.0;
             let a = -4.0 * t0;
             let b = 4.0 * t0 * t0 + 2.0 * k - four_r2_r2 * (1.0 - fu * fu);
             let c = -4.0 * t0 * k + 2.0 * four_r2_r2 * (t0 + f * fu);
@@ -174,35 +157,3 @@ macro_rules! textbook {
 
 textbook!(textbook_f32, f32);
 textbook!(textbook_f64, f64);
-
-/// A frame of donut.c, translated expression by expression, with donut.c's names. As there, the
-/// sines and cosines are inside the loops. The compiler may take those out that do not change in a
-/// loop, as a compiler of C may.
-pub fn donut_c(a: f32, b: f32, view: &View, zbuffer: &mut [f32], framebuffer: &mut [u8]) {
-    let sin = |angle: f32| f64::from(angle).sin() as f32;
-    let cos = |angle: f32| f64::from(angle).cos() as f32;
-    let [cx, cy, k1x, k1y] = [view.cx, view.cy, view.k1x, view.k1y].map(|k| k as f32);
-    zbuffer.fill(0.0);
-    let mut j = 0.0;
-    while f64::from(j) < TAU {
-        let mut i = 0.0;
-        while f64::from(i) < TAU {
-            let (c, d, e, f, g) = (sin(i), cos(j), sin(a), sin(j), cos(a));
-            let h = d + 2.0;
-            let ooz = 1.0 / (c * h * e + f * g + 5.0);
-            let (l, m, n) = (cos(i), cos(b), sin(b));
-            let t = c * h * g - f * e;
-            let x = (cx + k1x * ooz * (l * h * m - t * n)) as usize;
-            let y = (cy + k1y * ooz * (l * h * n + t * m)) as usize;
-            let o = x + view.width * y;
-            let luminance = (f * e - c * d * g) * m - c * d * e - f * g - l * d * n;
-            let inside = view.height > y && y > 0 && x > 0 && view.width > x;
-            if inside && ooz > zbuffer[o] {
-                zbuffer[o] = ooz;
-                framebuffer[o] = glyph(luminance.into());
-            }
-            i = add_step(i, 0.02);
-        }
-        j = add_step(j, 0.07);
-    }
-}

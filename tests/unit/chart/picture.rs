@@ -1,0 +1,312 @@
+//! The pictures of the README, as SVG: two of the program's frames, and the two charts of tests/chart.
+//!
+//! The charts' colours follow the page, which may be light or dark. They can be read even on a phone, where
+//! they are 390 pixels wide.
+
+use super::*;
+
+use std::ops::Range;
+
+fn svg(title: &str, (width, height): (f64, f64), style: &str, contents: &str) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.1} {height:.1}\" \
+         width=\"{width:.1}\" height=\"{height:.1}\">\n\
+         <title>{title}</title>\n\
+         <style>{style}</style>\n\
+         <rect width=\"100%\" height=\"100%\" rx=\"8\" fill=\"#16181d\"/>\n\
+         {contents}</svg>\n"
+    )
+}
+
+// ---- Frames --------------------------------------------------------------------------------------
+
+/// The width and the height of a cell, in pixels.
+const CELL: (f64, f64) = (9.6, 19.2);
+const CELLS: &str = "text{font:16px ui-monospace,Menlo,Consolas,'DejaVu Sans Mono',monospace;\
+                     fill:#e6e6e6;white-space:pre}";
+
+fn pixels(columns: usize, rows: usize) -> (f64, f64) {
+    (columns as f64 * CELL.0, rows as f64 * CELL.1)
+}
+
+/// A run of glyphs. The first one is in the cell with this column and row.
+fn run(column: usize, row: usize, class: &str, glyphs: &str) -> String {
+    let ((x, top), (length, _)) = (pixels(column, row), pixels(glyphs.len(), 0));
+    let y = top + 0.8 * CELL.1;
+    format!("<text{class} x=\"{x:.1}\" y=\"{y:.1}\" textLength=\"{length:.1}\">{glyphs}</text>\n")
+}
+
+/// The moving picture. All frames are in one strip, one below another, and the strip moves up behind a
+/// window that is as high as one frame.
+///
+/// It shows 15 frames a second, half as many as the program does by default, so the donut turns about twice
+/// as far from one frame to the next. After 157 frames A has gone round twice and B once, and the animation
+/// starts again without a jump.
+pub fn moving() -> String {
+    const FRAMES: usize = 157;
+    /// The rows of a frame, and an empty one as a margin.
+    const ROWS: usize = 23;
+    /// The columns that are shown: those that the donut is seen in, in any of the frames, and a margin.
+    const COLUMNS: Range<usize> = 15..65;
+    let spin = [2.0, 1.0].map(|turns| turns * TAU / FRAMES as f64);
+    let (mut renderer, mut angles) = (Renderer::new(View::DONUT_C, Method::Classic), [0.0; 2]);
+    let mut strip = String::new();
+    for n in 0..FRAMES {
+        renderer.render_frame(angles[0], angles[1]);
+        angles = next_angles(Method::Classic, angles, spin);
+        for (row, line) in renderer.framebuffer.chunks(80).enumerate() {
+            let line = std::str::from_utf8(line).unwrap().trim_end();
+            let glyphs = line.trim_start();
+            if !glyphs.is_empty() {
+                let column = line.len() - glyphs.len() - COLUMNS.start;
+                assert!(line.len() <= COLUMNS.end);
+                strip += &run(column, n * ROWS + row, "", glyphs);
+            }
+        }
+    }
+    let style = format!(
+        "{CELLS}g{{animation:film {:.2}s steps({FRAMES}) infinite}}\
+         @keyframes film{{to{{transform:translateY(-{}px)}}}}\
+         @media(prefers-reduced-motion:reduce){{g{{animation:none}}}}",
+        FRAMES as f64 / 15.0,
+        pixels(0, FRAMES * ROWS).1
+    );
+    let size = pixels(COLUMNS.len(), ROWS);
+    svg("A spinning donut of ASCII characters", size, &style, &format!("<g>\n{strip}</g>\n"))
+}
+
+/// One pose in both methods, side by side. The cells in which classic differs from exact have another
+/// colour.
+pub fn two_methods() -> String {
+    /// The columns that are shown: those that the donut is seen in, and a margin. The rows from 15 on are
+    /// below the donut.
+    const COLUMNS: Range<usize> = 6..37;
+    let view = fitted(40, 17);
+    let [classic, exact] =
+        [Method::Classic, Method::Exact].map(|method| draw(method, view, 0.35, 0.5));
+    // One cell of margin all round, two cells between the pictures, and a row for the methods' names.
+    let right = 1 + COLUMNS.len() + 2;
+    let mut texts = String::new();
+    for (picture, name, left) in [(&classic, "classic", 1), (&exact, "exact", right)] {
+        texts += &run(left, 1, "", name);
+        for row in 0..15 {
+            let cells: Vec<_> = COLUMNS.map(|column| row * view.width + column).collect();
+            let kind = |&cell: &usize| (picture[cell] != b' ', picture[cell] != exact[cell]);
+            let mut column = left;
+            for cells in cells.chunk_by(|a, b| kind(a) == kind(b)) {
+                let (shows_donut, is_wrong) = kind(&cells[0]);
+                let glyphs: String = cells.iter().map(|&cell| char::from(picture[cell])).collect();
+                if shows_donut {
+                    let class = if is_wrong { " class=\"wrong\"" } else { "" };
+                    texts += &run(column, row + 2, class, &glyphs);
+                }
+                column += cells.len();
+            }
+        }
+    }
+    let style = format!("{CELLS}.wrong{{fill:#ff8c42}}");
+    let title = "A donut drawn by classic, and the same donut drawn by exact";
+    svg(title, pixels(right + COLUMNS.len() + 1, 18), &style, &texts)
+}
+
+// ---- Charts --------------------------------------------------------------------------------------
+
+/// What has which colour on a light and on a dark page.
+const COLORS: [[&str; 3]; 9] = [
+    ["rect", "#ffffff", "#0d1117"],
+    [".grid", "#e2e5e9", "#2b313a"],
+    [".ink", "#24292f", "#e6edf3"],
+    [".grey", "#5c646e", "#a0a8b2"],
+    [".faint", "#e2a478", "#7a4c2a"],
+    [".orange", "#bc4c00", "#f0883e"],
+    [".green", "#116329", "#56d364"],
+    [".blue", "#0550ae", "#79c0ff"],
+    [".purple", "#7d35b5", "#d2a8ff"],
+];
+
+/// An axis of a chart: its title, its scale, the values at its two ends, and the marked values with their
+/// names.
+struct Axis {
+    title: &'static str,
+    scale: fn(f64) -> f64,
+    ends: [f64; 2],
+    marks: Vec<(f64, String)>,
+}
+
+/// A chart, whose title says what it shows, and whose curves have labels instead of a key.
+struct Chart {
+    height: f64,
+    x: Axis,
+    y: Axis,
+    svg: String,
+}
+
+impl Chart {
+    fn new(title: &'static str, height: f64, x: Axis, y: Axis) -> Chart {
+        let ([left, right], [bottom, top]) = (x.ends, y.ends);
+        let (x_title, y_title, x_marks, y_marks) =
+            (x.title, y.title, x.marks.clone(), y.marks.clone());
+        let mut chart = Chart { height, x, y, svg: String::new() };
+        for (at, name) in x_marks {
+            chart.line("grid", &[(at, bottom), (at, top)]);
+            chart.text("grey", (at, bottom), (0.0, 13.0), "middle", &name);
+        }
+        for (at, name) in y_marks {
+            chart.line("grid", &[(left, at), (right, at)]);
+            chart.text("grey", (left, at), (-8.0, 0.0), "end", &name);
+        }
+        chart.text("ink title", (left, top), (-48.0, -46.0), "start", title);
+        chart.text("ink", (left, top), (-48.0, -20.0), "start", y_title);
+        chart.text("ink", (right, bottom), (0.0, 33.0), "end", x_title);
+        chart
+    }
+
+    /// Where a point is, in pixels.
+    fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        let part = |axis: &Axis, value| {
+            let [start, end, value] = [axis.ends[0], axis.ends[1], value].map(axis.scale);
+            (value - start) / (end - start)
+        };
+        (60.0 + 435.0 * part(&self.x, x), 62.0 + (self.height - 115.0) * (1.0 - part(&self.y, y)))
+    }
+
+    fn line(&mut self, color: &str, points: &[(f64, f64)]) {
+        let point = |&point| format!("{:.1},{:.1}", self.place(point).0, self.place(point).1);
+        let points: Vec<_> = points.iter().map(point).collect();
+        let points = points.join(" ");
+        self.svg += &format!("<polyline class=\"{color}\" points=\"{points}\"/>\n");
+    }
+
+    fn dot(&mut self, color: &str, at: (f64, f64), radius: u32) {
+        let (x, y) = self.place(at);
+        let circle = format!("cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"");
+        self.svg += &format!("<circle class=\"{color}\" {circle}/>\n");
+    }
+
+    /// Writes a text, so many pixels from a point. `anchor` says which part of the text is there.
+    fn text(&mut self, color: &str, at: (f64, f64), by: (f64, f64), anchor: &str, text: &str) {
+        let (x, y) = self.place(at);
+        let (x, y) = (x + by.0, y + by.1 + 4.5);
+        let place = format!("x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\"");
+        self.svg += &format!("<text class=\"{color}\" {place}>{text}</text>\n");
+    }
+
+    fn finish(self, title: &str) -> String {
+        let [light, dark] = [1, 2].map(|page| {
+            COLORS.map(|color| format!("{}{{color:{}}}", color[0], color[page])).concat()
+        });
+        let style = format!(
+            "rect,circle,text{{fill:currentColor}}polyline{{fill:none;stroke:currentColor;\
+             stroke-width:2}}.grid{{stroke-width:1}}text{{font:13px system-ui,-apple-system,\
+             'Segoe UI','DejaVu Sans',sans-serif}}.title{{font-size:17px}}\n{light}\n\
+             @media(prefers-color-scheme:dark){{{dark}}}"
+        );
+        svg(title, (520.0, self.height), &style, &self.svg)
+    }
+}
+
+/// A dot for each method: to the right is the time of a frame in microseconds, and upward the share of
+/// wrong cells in per cent.
+pub fn speed_and_accuracy(dots: &[(String, (f64, f64))]) -> String {
+    let starting_with = |start: &str| -> Vec<_> {
+        dots.iter().filter(|dot| dot.0.starts_with(start)).map(|dot| dot.1).collect()
+    };
+    // Several names begin with "classic x1", and "classic x1" itself is the first of them.
+    let [exact, one_by_one, closed, classic, literal] =
+        ["exact", "exact one", "closed form", "classic x1", "donut.c"]
+            .map(|name| starting_with(name)[0]);
+    let x = Axis {
+        title: "time of a frame in µs, at 80x22 (logarithmic scale)",
+        scale: f64::log10,
+        ends: [5.0, 3000.0],
+        marks: [10.0, 30.0, 100.0, 300.0, 1000.0].map(|time| (time, format!("{time}"))).into(),
+    };
+    let y = Axis {
+        title: "wrong cells, as % of the donut's cells (cube-root scale)",
+        // A cube root spreads small shares out, as a logarithm does, but it also has a place for 0.
+        scale: f64::cbrt,
+        ends: [-0.06, 95.0],
+        marks: [0.0, 0.1, 1.0, 5.0, 10.0, 20.0, 40.0, 60.0].map(|s| (s, format!("{s}%"))).into(),
+    };
+    let title = "Eight rays at a time, exact is fastest with no wrong cell";
+    let mut chart = Chart::new(title, 430.0, x, y);
+    // A line through classic with longer and shorter steps.
+    let mut steps = starting_with("classic ");
+    steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    chart.line("faint", &steps);
+    for (name, at) in dots {
+        if let Some(name) = name.strip_prefix("classic ").filter(|&name| name != "x1") {
+            chart.dot("faint", *at, 3);
+            chart.text("grey", *at, (0.0, -13.0), "middle", name);
+        }
+    }
+    let tracing = starting_with("sphere tracing ");
+    chart.line("blue", &tracing);
+    tracing.iter().for_each(|&at| chart.dot("blue", at, 3));
+    for (at, radius, by, anchor, name, color) in [
+        (classic, 6, (0.0, 18.0), "middle", &*format!("classic, {:.1} µs", classic.0), "orange"),
+        (
+            literal,
+            6,
+            (0.0, 18.0),
+            "middle",
+            &format!("literal donut.c, {:.0} µs", literal.0),
+            "ink",
+        ),
+        (exact, 8, (0.0, 18.0), "middle", &format!("exact, {:.1} µs", exact.0), "green"),
+        (one_by_one, 4, (-2.0, 16.0), "start", "exact, one ray at a time", "green"),
+        (closed, 3, (16.0, 0.0), "start", "closed form", "purple"),
+        (tracing[0], 3, (9.0, -2.0), "start", "sphere tracing, 8 steps", "blue"),
+        (tracing[4], 3, (9.0, -4.0), "start", "256 steps", "blue"),
+    ] {
+        chart.dot(color, at, radius);
+        chart.text(color, at, by, anchor, name);
+    }
+    // An arrow towards less time and fewer wrong cells.
+    let (tail, head) = ((9.3, 0.25), (6.0, 0.02));
+    chart.line("grey", &[tail, head]);
+    chart.line("grey", &[(6.1, 0.06), head, (7.6, 0.025)]);
+    chart.text("grey", tail, (-2.0, -11.0), "middle", "better");
+    chart.finish(title)
+}
+
+/// The largest error of donut.c's angle A so far, over the running time.
+pub fn drift(errors: &[(f64, f64)]) -> String {
+    const MINUTE: f64 = 60.0 * 30.0;
+    const HOUR: f64 = 60.0 * MINUTE;
+    const DAY: f64 = 24.0 * HOUR;
+    let x = Axis {
+        title: "running time, at 30 frames a second (logarithmic scale)",
+        scale: f64::log10,
+        ends: [0.6 * MINUTE, 30.0 * DAY],
+        marks: [
+            ("1 minute", MINUTE),
+            ("1 hour", HOUR),
+            ("31 hours", 31.0 * HOUR),
+            ("9 days", 9.0 * DAY),
+        ]
+        .map(|(name, frames)| (frames, name.to_string()))
+        .into(),
+    };
+    let turns = [(0.001, "0.001"), (0.1, "0.1"), (1.0, "1"), (10.0, "10"), (1000.0, "1,000")];
+    let y = Axis {
+        title: "largest error of A so far, in turns (logarithmic scale)",
+        scale: f64::log10,
+        ends: [5e-5, 1e5],
+        marks: turns.map(|(turns, name)| (turns, name.to_string())).into(),
+    };
+    let title = "donut.c's angle A is a whole turn off in 1.8 hours";
+    let mut chart = Chart::new(title, 360.0, x, y);
+    let points = errors.iter().map(|&(frame, error)| (frame, error / TAU));
+    let points: Vec<_> =
+        points.filter(|&(frame, _)| (0.6 * MINUTE..=STOPPED).contains(&frame)).collect();
+    chart.line("orange", &points);
+    for (event, name) in
+        [(FASTER, "here A begins to turn 17% too fast"), (STOPPED, "A stands still")]
+    {
+        let at = *points.iter().find(|&&(frame, _)| frame == event).unwrap();
+        chart.dot("ink", at, 5);
+        chart.text("ink", at, (-10.0, -4.0), "end", name);
+    }
+    chart.finish(title)
+}
