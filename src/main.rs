@@ -82,20 +82,20 @@
 use std::f64::consts::TAU;
 use std::fmt::Display;
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::ops::RangeInclusive;
 use std::process::{self, ExitCode};
 use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
-use std::sync::{Arc, mpsc};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
-use std::{array, env, panic, thread};
+use std::{array, env, mem, panic, thread};
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
 use crossterm::cursor::{Hide, MoveToColumn, Show};
 use crossterm::queue;
-use crossterm::style::{self, Color, ResetColor, SetForegroundColor};
+use crossterm::style::{self, Color, Print, ResetColor, SetForegroundColor};
 use crossterm::terminal::{self, Clear, ClearType, EnterAlternateScreen, LeaveAlternateScreen};
 
 // ---- View ----------------------------------------------------------------------------------------
@@ -595,15 +595,15 @@ struct Options {
     fps: f64,
     /// Stop after N frames; the last one stays on the screen
     ///
-    /// On a terminal, the frames are drawn from the top of the screen, and
-    /// the prompt comes below the last one.
+    /// On a terminal, the screen is cleared first, and the prompt comes
+    /// below the last frame.
     #[arg(long, help_heading = "Motion", value_name = "N", verbatim_doc_comment)]
     #[arg(value_parser = within(0..=1_000_000_000_000_u64))]
     frames: Option<u64>,
     /// Rotation per frame, in radians
     ///
     /// Each frame adds DA to the angle A, and DB to the angle B.
-    /// Both are from -1000000000 to 1000000000.
+    /// Both are from -1000 to 1000.
     #[arg(long, help_heading = "Motion", value_name = "DA,DB", verbatim_doc_comment)]
     #[arg(default_value = "0.04,0.02", value_parser = parse_angles)]
     spin: [f64; 2],
@@ -640,7 +640,9 @@ struct Options {
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
     /// From 1 to 4096. On a terminal, at most its rows minus 2, or 1 row.
-    #[arg(long, help_heading = "Size", value_name = "ROWS", value_parser = within(SIZES))]
+    /// The top row and the first column stay empty.
+    #[arg(long, help_heading = "Size", value_name = "ROWS", verbatim_doc_comment)]
+    #[arg(value_parser = within(SIZES))]
     height: Option<u16>,
     /// Height of a cell divided by its width
     ///
@@ -663,8 +665,7 @@ struct Options {
     /// size. From very near, most poses look small, to leave room for the
     /// one that comes nearest to you.
     #[arg(long, help_heading = "Geometry", value_name = "D", verbatim_doc_comment)]
-    // The least K2 of the smallest ring is 1.001 (1 + 1.01).
-    #[arg(default_value = "5", value_parser = within(2.01201..=1e6))]
+    #[arg(default_value = "5")]
     k2: f64,
 }
 
@@ -680,7 +681,7 @@ Examples:
   donut -A 1 -B 1 --color cyan";
 
 const SIZES: RangeInclusive<u16> = 1..=4096;
-const ANGLES: RangeInclusive<f64> = -1e9..=1e9;
+const ANGLES: RangeInclusive<f64> = -1e3..=1e3;
 /// Beyond these, the hole or the tube is too small to see in most pictures.
 const RING_RADII: RangeInclusive<f64> = 1.01..=30.0;
 /// The least K2, in units of 1 + R2. From there, a donut seen edge-on already fills 175 degrees of the view.
@@ -694,8 +695,7 @@ fn within<T: FromStr + PartialOrd + Display + Clone>(
         let number = text.parse().ok().filter(|number| range.contains(number));
         // An integer type cannot parse a fraction.
         let kind = if "0.5".parse::<T>().is_ok() { "number" } else { "whole number" };
-        let (least, most) = (range.start(), range.end());
-        number.ok_or_else(|| format!("expected a {kind} from {least} to {most}"))
+        number.ok_or_else(|| format!("expected a {kind} from {} to {}", range.start(), range.end()))
     }
 }
 
@@ -712,12 +712,10 @@ fn parse_color(text: &str) -> Result<Color, String> {
         let [r, g, b] = [0, 2, 4].map(|i| u8::from_str_radix(&hex[i..i + 2], 16).unwrap());
         return Ok(Color::Rgb { r, g, b });
     }
-    if let Ok(index) = text.parse() {
-        return Ok(Color::AnsiValue(index));
-    }
+    let number = text.parse().ok().map(Color::AnsiValue);
     let name = text.to_lowercase().replace("gray", "grey");
-    let color = Color::try_from(name.as_str()).ok().filter(|&color| color != Color::Reset);
-    color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
+    let named = Color::try_from(name.as_str()).ok().filter(|&color| color != Color::Reset);
+    number.or(named).ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
 impl Options {
@@ -726,20 +724,22 @@ impl Options {
         let &Options { method, r2, k2, .. } = self;
         // Rounded up to six decimals, so that a user can type what the message shows.
         let least = (1e6 * LEAST_DISTANCE * (1.0 + r2)).ceil() / 1e6;
-        if k2 < least {
+        if !(least..=1e6).contains(&k2) {
             let rule = format!("{LEAST_DISTANCE} times the sum of 1 and --r2");
-            Some(format!("--k2 is {k2}, but must be at least {least}: {rule}"))
+            Some(format!("--k2 is {k2}, but must be from {least} ({rule}) to 1000000"))
         } else if method == Some(Method::Classic) && (r2, k2) != (2.0, 5.0) {
-            // For another ring or distance, the steps of `classic` may be too long: see `angle_steps`.
+            // From nearer, or with another ring, the steps of `classic` could be too long: see `angle_steps`.
             Some(format!("--method classic needs --r2 2 and --k2 5, but these are {r2} and {k2}"))
         } else {
             None
         }
     }
 
-    /// The view of a picture of the size that the options ask for. `terminal_size` is the terminal's columns
-    /// and rows, which limit that size, or `None` where standard output is not a terminal.
-    fn view(&self, terminal_size: Option<(u16, u16)>) -> View {
+    /// A renderer for a picture of the size that the options ask for. `terminal_size` is the terminal's
+    /// columns and rows, which limit that size, or `None` where standard output is not a terminal.
+    ///
+    /// Without --method, donut.c's own picture is `Classic`, and any other `Exact`.
+    fn renderer(&self, terminal_size: Option<(u16, u16)>) -> Renderer {
         let (width, height) = match terminal_size {
             None => (self.width.unwrap_or(80), self.height.unwrap_or(22)),
             Some((columns, rows)) => {
@@ -748,26 +748,9 @@ impl Options {
                 (self.width.unwrap_or(columns).min(columns), self.height.unwrap_or(rows).min(rows))
             }
         };
-        View::new(width.into(), height.into(), self.aspect, self.r2, self.k2)
-    }
-
-    /// The method that draws the frame with these angles: the one that --method chooses, or else `Classic`
-    /// for donut.c's own picture, as long as floats are fine enough for it, and `Exact` for any other.
-    ///
-    /// Floats are fine enough if the gap between an angle and the next float is at most a quarter of the
-    /// angle's spin. (If the spin is 0, the gap may be 0.0002: such an error changes about one cell.) With
-    /// donut.c's own start and spin, `Exact` takes over at frame 3,345,245, where A passes 2^17. From there
-    /// on, floats are 1/64 apart, which is more than 0.04 / 4, and adding 0.04 really adds 3/64.
-    fn method_for(&self, view: &View, angles: [f64; 2]) -> Method {
-        let floats_are_fine = (0..2).all(|i| {
-            let float = angles[i].abs() as f32;
-            let gap = f32::from_bits(float.to_bits() + 1) - float;
-            let spin = self.spin[i].abs();
-            let largest_gap = if spin == 0.0 { 2e-4 } else { spin / 4.0 };
-            f64::from(gap) <= largest_gap
-        });
-        let is_classic = *view == View::DONUT_C && floats_are_fine;
-        self.method.unwrap_or(if is_classic { Method::Classic } else { Method::Exact })
+        let view = View::new(width.into(), height.into(), self.aspect, self.r2, self.k2);
+        let default = if view == View::DONUT_C { Method::Classic } else { Method::Exact };
+        Renderer::new(view, self.method.unwrap_or(default))
     }
 }
 
@@ -808,6 +791,7 @@ fn run(options: &Options) -> io::Result<()> {
     let console = Console::open(options)?;
     let played = play(options, console);
     let restored = console.leave();
+    // A signal counts more than an error, which it may have caused: when a terminal goes, so do its programs.
     console.end_if_signalled();
     played.and(restored)
 }
@@ -820,14 +804,19 @@ fn play(options: &Options, console: &'static Console) -> io::Result<()> {
     let &Options { fps, frames, spin, a, b, .. } = options;
     // A Duration cannot hold 1 / fps seconds if fps is tiny. 1e9 seconds, nearly 32 years, will do.
     let interval = Duration::from_secs_f64(if fps == 0.0 { 0.0 } else { (1.0 / fps).min(1e9) });
-    let (mut frame_count, mut due, mut angles) = (0, Instant::now(), [a, b]);
-    let (mut is_paused, mut is_shaded) = (false, true);
     let mut terminal_size = console.size()?;
-    let view = options.view(terminal_size);
-    let mut renderer = Renderer::new(view, options.method_for(&view, angles));
+    let mut renderer = options.renderer(terminal_size);
+    let mut angles = [a, b];
+    let mut frame_count = 0;
+    let mut due = Instant::now();
+    let mut key_reader = KeyReader { code: Code::Nothing, last_read: Instant::now() };
+    let mut is_paused = false;
+    let mut is_shaded = true;
+
     'main_loop: while frames.is_none_or(|frames| frame_count < frames) {
         let until_due = due.saturating_duration_since(Instant::now());
         thread::sleep(if is_paused { TICK } else { until_due.min(TICK) });
+
         // While the program was stopped, another one may have changed the screen and the settings. So leave
         // the terminal, and let `enter` set everything up anew.
         if console.was_continued.swap(false, SeqCst) {
@@ -837,22 +826,21 @@ fn play(options: &Options, console: &'static Console) -> io::Result<()> {
         if console.is_ending() {
             break;
         }
-        let mut clear = console.enter()?;
+        let just_entered = console.enter()?;
+
         let new_size = console.size()?;
-        if new_size != terminal_size {
-            (terminal_size, clear) = (new_size, true);
-            renderer = Renderer::new(options.view(terminal_size), renderer.method);
+        let is_resized = new_size != terminal_size;
+        if is_resized {
+            terminal_size = new_size;
+            renderer = options.renderer(terminal_size);
         }
 
-        let mut redraw = clear;
-        for key in console.keys() {
+        let was_shaded = is_shaded;
+        for key in key_reader.keys(&console.read()) {
             match key {
                 b'q' | ESCAPE => return Ok(()),
                 b'p' => is_paused = !is_paused,
-                b' ' => {
-                    is_shaded = !is_shaded;
-                    redraw = true;
-                }
+                b' ' => is_shaded = !is_shaded,
                 CTRL_Z => {
                     console.leave()?;
                     system::suspend_job();
@@ -864,8 +852,7 @@ fn play(options: &Options, console: &'static Console) -> io::Result<()> {
 
         let is_due = !is_paused && due <= Instant::now();
         if is_due {
-            // The first frame shows the starting angles. Before every later frame, the spin is added, in the
-            // arithmetic of the method that drew the frame before.
+            // The first frame shows the starting angles.
             if frame_count > 0 {
                 angles = next_angles(renderer.method, angles, spin);
             }
@@ -874,8 +861,8 @@ fn play(options: &Options, console: &'static Console) -> io::Result<()> {
             // after a stall, the missed frames do not come in a burst.
             due = (due + interval).max(Instant::now());
         }
-        if is_due || redraw {
-            renderer.method = options.method_for(&renderer.view, angles);
+        let clear = just_entered || is_resized;
+        if is_due || clear || is_shaded != was_shaded {
             renderer.render_frame(angles[0], angles[1]);
             if !is_shaded {
                 renderer.flatten();
@@ -887,7 +874,8 @@ fn play(options: &Options, console: &'static Console) -> io::Result<()> {
 }
 
 /// The angles A and B of the next frame. donut.c keeps its angles in variables of type `float`, so each of
-/// its sums is rounded, and the errors add up. `Classic` has to make the very same errors.
+/// its sums is rounded, and the errors add up. After nine days at 30 frames a second, the sums no longer
+/// change, and the donut stands still. `Classic` has to make the very same errors.
 fn next_angles(method: Method, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| match method {
         Method::Classic => add_step(angles[i] as f32, spin[i]).into(),
@@ -905,8 +893,14 @@ struct Console {
     /// With --frames there is no alternate screen, because the last frame has to stay.
     has_alternate_screen: bool,
     color: Option<Color>,
-    /// Whether the program has entered the terminal and not left it since.
-    is_entered: AtomicBool,
+    /// The terminal's settings when the program first entered it. They are saved only once: after a stop,
+    /// some shells leave this program's own settings in place.
+    settings: OnceLock<system::Settings>,
+    /// Whether the program has entered the terminal and not left it since. Only the holder of the lock, and
+    /// only while this is true, may discard output.
+    is_entered: Mutex<bool>,
+    /// How often output has been discarded.
+    discard_count: AtomicUsize,
     /// The number of the signal that asks the program to end, or 0. The handlers of these signals set it.
     end_signal: Arc<AtomicUsize>,
     /// Whether the program was stopped and has been continued since. SIGCONT's handler sets it.
@@ -914,8 +908,8 @@ struct Console {
 }
 
 impl Console {
-    /// Opens the console for the rest of the program's life: the handlers of signals and panics use it, and
-    /// so does the thread of `write_blocking`.
+    /// Opens the console for the rest of the program's life, because the handlers of signals and panics
+    /// use it.
     fn open(options: &Options) -> io::Result<&'static Console> {
         let (file, is_terminal) = system::open_output()?;
         if is_terminal && env::var_os("TERM").is_some_and(|term| term == "dumb") {
@@ -927,7 +921,9 @@ impl Console {
             is_terminal,
             has_alternate_screen: options.frames.is_none(),
             color: options.color,
-            is_entered: AtomicBool::new(false),
+            settings: OnceLock::new(),
+            is_entered: Mutex::new(false),
+            discard_count: AtomicUsize::new(0),
             end_signal: Arc::default(),
             was_continued: Arc::default(),
         }));
@@ -937,11 +933,67 @@ impl Console {
                 let _ = console.leave();
                 previous_hook(info);
             }));
-            // ctrlc works on Windows, too. The other signals exist only on Unix. 2 is SIGINT.
-            ctrlc::set_handler(|| console.end_signal.store(2, SeqCst)).map_err(io::Error::other)?;
+            // 2 is SIGINT, which Ctrl-C sends. ctrlc works on Windows, too.
+            ctrlc::set_handler(|| console.enforce_end(2)).map_err(io::Error::other)?;
+            #[cfg(unix)]
             system::catch_signals(console)?;
         }
         Ok(console)
+    }
+
+    /// Enters the terminal, unless the program has entered it already. Returns whether it did so just now:
+    /// if so, the screen has to be cleared. In a pipe, the first call returns true, because donut.c also
+    /// begins by clearing the screen.
+    fn enter(&self) -> io::Result<bool> {
+        let was_entered = mem::replace(&mut *self.is_entered.lock().unwrap(), true);
+        if !was_entered && self.is_terminal {
+            system::set_cbreak_mode(&self.file, &self.settings);
+            let mut bytes = Vec::new();
+            if self.has_alternate_screen {
+                queue!(bytes, EnterAlternateScreen)?;
+            }
+            queue!(bytes, Hide)?;
+            self.write(&bytes)?;
+        }
+        Ok(!was_entered)
+    }
+
+    /// Leaves the terminal as it was first found, if the program has entered it.
+    fn leave(&self) -> io::Result<()> {
+        if !self.is_terminal || !*self.is_entered.lock().unwrap() {
+            return Ok(());
+        }
+        let mut bytes = Vec::new();
+        // A signal may have cut a frame short, in the middle of a row.
+        queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
+        if self.has_alternate_screen {
+            // Without the clear, tmux would copy rows of the alternate screen into the shell's screen after a
+            // change of size. The clear must not hit the shell's screen, to which another program may have
+            // switched during a stop. So code 1047 first switches back to the alternate screen. (Code 1049,
+            // which `enter` uses, would also save the cursor again, and some terminals save only one.)
+            queue!(bytes, Print("\x1b[?1047h"), Clear(ClearType::All), LeaveAlternateScreen)?;
+        }
+        loop {
+            let discard_count = self.discard_count.load(SeqCst);
+            let written = self.write(&bytes);
+            // `enforce_end` may have discarded the bytes. If so, write them again.
+            let mut is_entered = self.is_entered.lock().unwrap();
+            if self.discard_count.load(SeqCst) == discard_count || written.is_err() {
+                *is_entered = false;
+                system::restore_settings(&self.file, &self.settings);
+                return written;
+            }
+        }
+    }
+
+    /// In the background, leaves the terminal, and waits until the program is in the foreground or a signal
+    /// asks it to end.
+    fn wait_for_foreground(&self) -> io::Result<()> {
+        while self.is_terminal && !system::is_in_foreground(&self.file) && !self.is_ending() {
+            self.leave()?;
+            thread::sleep(TICK);
+        }
+        Ok(())
     }
 
     /// Whether a signal has asked the program to end.
@@ -954,89 +1006,45 @@ impl Console {
     fn end_if_signalled(&self) {
         let signal = self.end_signal.load(SeqCst) as i32;
         if signal != 0 {
+            // While the lock is held, no other thread is in the middle of a discard.
+            let _lock = self.is_entered.lock();
             system::raise(signal);
             process::exit(128 + signal) // What a shell would say of a program that the signal ended.
         }
     }
 
-    /// In the background, leaves the terminal, and waits until the program is in the foreground or a signal
-    /// asks it to end.
-    fn wait_for_foreground(&'static self) -> io::Result<()> {
-        while self.is_terminal && !system::is_in_foreground(&self.file) && !self.is_ending() {
-            self.leave()?;
-            thread::sleep(TICK);
-        }
-        Ok(())
-    }
-
-    /// Enters the terminal, unless the program has entered it already. Returns whether it did so just now:
-    /// if so, the screen has to be cleared. In a pipe, the first call returns true, because donut.c also
-    /// begins by clearing the screen.
-    fn enter(&self) -> io::Result<bool> {
-        let just_entered = !self.is_entered.swap(true, SeqCst);
-        if just_entered && self.is_terminal {
-            system::set_cbreak_mode(&self.file);
-            let mut bytes = Vec::new();
-            if self.has_alternate_screen {
-                queue!(bytes, EnterAlternateScreen)?;
-            }
-            queue!(bytes, Hide)?;
-            self.write(&bytes)?;
-        }
-        Ok(just_entered)
-    }
-
-    /// Leaves the terminal as it was first found, if the program has entered it.
-    fn leave(&'static self) -> io::Result<()> {
-        if !self.is_entered.swap(false, SeqCst) || !self.is_terminal {
-            return Ok(());
-        }
-        let mut bytes = Vec::new();
-        // A signal may have cut a frame short, in the middle of a row.
-        queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
-        if self.has_alternate_screen {
-            // Without the clear, tmux would copy rows of the alternate screen into the shell's screen after a
-            // change of size. And it must not clear the shell's screen: so enter the alternate screen first,
-            // because another program may have left it while this one was stopped.
-            queue!(bytes, EnterAlternateScreen, Clear(ClearType::All), LeaveAlternateScreen)?;
-        }
-        let written = self.write_blocking(bytes);
-        system::restore_settings(&self.file);
-        written
-    }
-
-    /// Writes the bytes that restore the terminal, which have to arrive even while another program writes.
+    /// Ends the program in about a second, unless the loop does so before. The threads that receive the
+    /// signals call this.
     ///
-    /// Linux lets one program at a time write to a terminal. `file` is nonblocking (see `open_output`): while
-    /// another program writes, its writes fail, and `write` may never find a gap. A blocking write waits for
-    /// its turn. So here a thread does one, and this function waits for the thread.
+    /// The loop may be waiting to write, because the terminal takes no output, or because another program
+    /// writes there: Linux lets one program at a time write to a terminal. So after 100 ms, this makes room,
+    /// again and again, by discarding the output that the terminal has not taken yet. Two things must never
+    /// happen:
     ///
-    /// Without a signal, it waits as long as it takes. With one, it makes room after 100 ms, by discarding
-    /// the output that the terminal has not taken yet, and gives up after another second. The thread is then
-    /// abandoned.
-    fn write_blocking(&'static self, bytes: Vec<u8>) -> io::Result<()> {
-        system::set_nonblocking(&self.file, false);
-        let ((sender, receiver), copy) = (mpsc::channel(), bytes.clone());
-        let _ = thread::Builder::new().spawn(move || sender.send((&self.file).write_all(&copy)));
-        let (mut result, mut discards) = (receiver.recv_timeout(Duration::from_millis(100)), 0);
-        // A timeout means that the thread is still writing. A hundred times 10 ms is a second.
-        while matches!(result, Err(mpsc::RecvTimeoutError::Timeout)) && discards < 100 {
-            if self.is_ending() {
+    /// - The program ends in the middle of a discard, which would leave the terminal's output stopped. So a
+    ///   thread needs the lock of `is_entered` to discard, and to end the program.
+    /// - What restores the terminal is discarded. So `leave` writes it again if there was a discard
+    ///   meanwhile, and there is none after it.
+    fn enforce_end(&self, signal: usize) {
+        self.end_signal.store(signal, SeqCst);
+        thread::sleep(Duration::from_millis(100));
+        for _ in 0..1000 {
+            let is_entered = self.is_entered.lock().unwrap();
+            if *is_entered {
                 system::discard_output(&self.file);
-                discards += 1;
+                self.discard_count.fetch_add(1, SeqCst);
             }
-            result = receiver.recv_timeout(Duration::from_millis(10));
+            drop(is_entered);
+            thread::sleep(Duration::from_millis(1));
         }
-        system::set_nonblocking(&self.file, true);
-        // No result: the thread could not be started, or is still writing. Then try once more, without
-        // blocking. The same bytes twice do no harm.
-        result.unwrap_or_else(|_| self.write(&bytes))
+        self.end_if_signalled();
     }
 
     /// Writes a frame. `clear` says whether to clear the screen first.
     fn show(&self, renderer: &Renderer, clear: bool) -> io::Result<()> {
         let mut bytes = Vec::with_capacity(renderer.framebuffer.len() + 100);
-        // The terminal holds the output back until the end of the update, so that nobody sees half a frame.
+        // A terminal that knows synchronized updates holds the output back until the end of the update, so
+        // that nobody sees half a frame.
         if self.is_terminal {
             queue!(bytes, terminal::BeginSynchronizedUpdate)?;
         }
@@ -1059,18 +1067,14 @@ impl Console {
         self.write(&bytes)
     }
 
-    /// Writes all bytes, and waits while there is no room for them or another program writes. A terminal
-    /// whose window hangs may never have room again, so this gives up once a signal has come.
+    /// Writes all bytes. (`write_all` would not wait for room in a pipe that another program has made
+    /// nonblocking.)
     fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
-        let mut pause = Duration::ZERO;
+        let pause = Duration::from_millis(1);
         while !bytes.is_empty() {
             match (&self.file).write(bytes) {
-                Ok(count) => (bytes, pause) = (&bytes[count..], Duration::ZERO),
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock && !self.is_ending() => {
-                    pause = TICK.min(pause + Duration::from_millis(1));
-                    thread::sleep(pause);
-                }
-                Err(error) => return Err(error),
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => thread::sleep(pause),
+                written => bytes = &bytes[written?..],
             }
         }
         Ok(())
@@ -1086,9 +1090,59 @@ impl Console {
         Ok(Some(if columns > 0 && rows > 0 { (columns, rows) } else { (80, 24) }))
     }
 
-    /// The single-byte keys pressed since the last call.
-    fn keys(&self) -> Vec<u8> {
-        if self.is_terminal { system::keys(&self.file) } else { Vec::new() }
+    /// What the terminal has sent since the last call.
+    fn read(&self) -> Vec<u8> {
+        if self.is_terminal { system::read(&self.file) } else { Vec::new() }
+    }
+}
+
+/// Picks the single-byte keys out of what a terminal sends.
+///
+/// An arrow key, for example, sends an escape code: an ESC and more bytes. The terminal's answer to a
+/// question of an earlier program is such a code as well, and may arrive late and in pieces. So each code is
+/// followed to its end, by the grammar of ECMA-48. A code that does not go on for a TICK is dropped; but if
+/// it is only an ESC, that is the Esc key.
+struct KeyReader {
+    code: Code,
+    last_read: Instant,
+}
+
+/// What has come so far of an escape code.
+#[derive(Clone, Copy, PartialEq)]
+enum Code {
+    Nothing,
+    Escape,
+    /// CSI or SS3, as arrow keys send them. These end with a byte from @ to ~.
+    Sequence,
+    /// DCS, SOS, OSC, PM or APC. These end with BEL (7), or with another code, ESC and a backslash.
+    Text,
+}
+
+impl KeyReader {
+    /// The keys among these bytes, which are all that has come since the last call.
+    fn keys(&mut self, bytes: &[u8]) -> Vec<u8> {
+        let mut keys = Vec::new();
+        if !bytes.is_empty() {
+            self.last_read = Instant::now();
+        } else if self.last_read.elapsed() >= TICK
+            && mem::replace(&mut self.code, Code::Nothing) == Code::Escape
+        {
+            keys.push(ESCAPE);
+        }
+        for &byte in bytes {
+            if self.code == Code::Nothing && byte != ESCAPE {
+                keys.push(byte);
+            }
+            self.code = match (self.code, byte) {
+                (_, ESCAPE) => Code::Escape,
+                (Code::Escape, b'[' | b'O') => Code::Sequence,
+                (Code::Escape, b'P' | b'X' | b']' | b'^' | b'_') => Code::Text,
+                (Code::Sequence, b'@'..=b'~') | (Code::Text, b'\x07') => Code::Nothing,
+                (Code::Escape, _) => Code::Nothing, // Alt and a key, for example.
+                (code, _) => code,
+            };
+        }
+        keys
     }
 }
 
@@ -1097,35 +1151,33 @@ impl Console {
 mod system {
     use super::*;
     use rustix::fs::{self, Mode, OFlags};
-    use rustix::io::Errno;
     use rustix::process::{Signal, getpgrp, kill_current_process_group};
-    use rustix::termios::{self, InputModes, LocalModes, OutputModes, SpecialCodeIndex, Termios};
+    use rustix::termios::{
+        self, InputModes, LocalModes, OptionalActions, OutputModes, SpecialCodeIndex,
+    };
     use signal_hook::consts::{SIGCONT, SIGHUP, SIGQUIT, SIGTERM};
+    use signal_hook::iterator::Signals;
     use signal_hook::{flag, low_level};
-    use std::io::{IsTerminal, Read};
+    use std::io::Read;
     use std::os::fd::AsFd;
-    use std::sync::OnceLock;
 
-    /// The terminal's settings when the program first entered it. They are saved only once: after a stop,
-    /// some shells leave this program's own settings in place.
-    static SETTINGS: OnceLock<Termios> = OnceLock::new();
+    pub use rustix::termios::Termios as Settings;
 
     /// The file for the output, and whether it is a terminal.
     ///
-    /// A terminal is opened once more, for keys and output, and in nonblocking mode: otherwise a terminal
-    /// that takes no output, or another program that reads the same keys, would block the loop. The mode
-    /// applies only to the new open file, so other programs notice nothing. A terminal that cannot be opened
-    /// is treated as a pipe.
+    /// A terminal is opened once more, for keys and output. Whether reads and writes wait is a mode of
+    /// the open file, so this one keeps it apart from the programs that share standard output. A terminal
+    /// that cannot be opened is treated as a pipe.
     pub fn open_output() -> io::Result<(File, bool)> {
         let stdout = io::stdout();
         if stdout.is_terminal() {
             let path = match termios::tcgetpgrp(&stdout) {
                 // Not the controlling terminal, which is the one that the program was started from.
-                Err(Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
+                Err(rustix::io::Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
                 // The controlling terminal, which any user may open under this name.
                 _ => Ok(c"/dev/tty".into()),
             };
-            let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+            let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC;
             if let Ok(terminal) = path.and_then(|path| fs::open(path, flags, Mode::empty())) {
                 return Ok((terminal.into(), true));
             }
@@ -1133,16 +1185,16 @@ mod system {
         Ok((stdout.as_fd().try_clone_to_owned()?.into(), false))
     }
 
-    pub fn set_nonblocking(terminal: &File, is_nonblocking: bool) {
-        let flags = if is_nonblocking { OFlags::NONBLOCK } else { OFlags::empty() };
-        let _ = fs::fcntl_setfl(terminal, flags);
-    }
-
-    pub fn catch_signals(console: &Console) -> io::Result<()> {
-        for signal in [SIGTERM, SIGHUP, SIGQUIT] {
+    pub fn catch_signals(console: &'static Console) -> io::Result<()> {
+        flag::register(SIGCONT, console.was_continued.clone())?;
+        let signals = [SIGTERM, SIGHUP, SIGQUIT];
+        for signal in signals {
             flag::register_usize(signal, console.end_signal.clone(), signal as usize)?;
         }
-        flag::register(SIGCONT, console.was_continued.clone()).map(drop)
+        let mut signals = Signals::new(signals)?;
+        let thread =
+            move || signals.forever().for_each(|signal| console.enforce_end(signal as usize));
+        thread::Builder::new().spawn(thread).map(drop)
     }
 
     /// Ends the program by this signal.
@@ -1172,35 +1224,38 @@ mod system {
     }
 
     pub fn size(terminal: &File) -> io::Result<(u16, u16)> {
-        let size = termios::tcgetwinsize(terminal)?;
-        Ok((size.ws_col, size.ws_row))
+        Ok(termios::tcgetwinsize(terminal).map(|size| (size.ws_col, size.ws_row))?)
     }
 
-    /// Sets cbreak mode, and turns on OPOST and ONLCR, so that `\n` starts a new line, and ISIG, so that
-    /// Ctrl-C and Ctrl-\ send signals, which work even while the terminal takes no output. Without IEXTEN
-    /// and IXON, Ctrl-V, Ctrl-S and the like are ordinary keys.
+    /// Sets cbreak mode, and the rest that the program needs. At the first time, saves the settings before.
     ///
     /// If the terminal is gone, this fails, and `size` reports it.
-    pub fn set_cbreak_mode(terminal: &File) {
+    pub fn set_cbreak_mode(terminal: &File, saved: &OnceLock<Settings>) {
         let Ok(settings) = termios::tcgetattr(terminal) else { return };
-        let mut changed = SETTINGS.get_or_init(|| settings).clone();
-        changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO | LocalModes::IEXTEN;
-        changed.local_modes |= LocalModes::ISIG;
+        let mut changed = saved.get_or_init(|| settings).clone();
+        // A key is sent at once, not with the rest of its line, and is not echoed.
+        changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO;
+        // Ctrl-S does not stop the output,
         changed.input_modes -= InputModes::IXON;
+        // and on macOS, Ctrl-Y does not suspend, nor do Ctrl-V and Ctrl-O affect the next key or the output.
+        changed.local_modes -= LocalModes::IEXTEN;
+        // Ctrl-C and Ctrl-\ send signals, which work even while the loop waits to write.
+        changed.local_modes |= LocalModes::ISIG;
+        // `\n` leads to the start of a new line.
         changed.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
         // No key may suspend, because Ctrl-Z has to arrive as a byte: see `suspend_job`. The value that means
         // "no key" differs between systems, so the key that suspends is set to the one that interrupts,
         // Ctrl-C. The system looks for an interrupt first, so Ctrl-C still interrupts.
         let interrupt = changed.special_codes[SpecialCodeIndex::VINTR];
         changed.special_codes[SpecialCodeIndex::VSUSP] = interrupt;
-        let _ = termios::tcsetattr(terminal, termios::OptionalActions::Now, &changed);
+        let _ = termios::tcsetattr(terminal, OptionalActions::Now, &changed);
     }
 
-    /// Restores the terminal's settings, but not in the background, where they are the shell's, and changing
-    /// them would stop the program.
-    pub fn restore_settings(terminal: &File) {
-        if let Some(settings) = SETTINGS.get().filter(|_| is_in_foreground(terminal)) {
-            let _ = termios::tcsetattr(terminal, termios::OptionalActions::Now, settings);
+    /// Restores the saved settings, but not in the background, where the settings are the shell's, and
+    /// changing them would stop the program.
+    pub fn restore_settings(terminal: &File, saved: &OnceLock<Settings>) {
+        if let Some(settings) = saved.get().filter(|_| is_in_foreground(terminal)) {
+            let _ = termios::tcsetattr(terminal, OptionalActions::Now, settings);
         }
     }
 
@@ -1215,34 +1270,19 @@ mod system {
         }
     }
 
-    /// The pressed keys that send a single byte.
-    ///
-    /// An arrow key, for example, sends a code: an ESC and more bytes. The terminal's answer to a question
-    /// of an earlier program is such a code as well, and may arrive late and in pieces. So after an ESC,
-    /// this function waits for a TICK, reads once more, and drops the ESC and all that follows it. But if
-    /// nothing except ESCs has come, that is the Esc key, pressed once or held down.
-    pub fn keys(terminal: &File) -> Vec<u8> {
-        let mut keys = read(terminal);
-        if let Some(escape) = keys.iter().position(|&key| key == ESCAPE) {
-            let mut code = keys.split_off(escape);
-            thread::sleep(TICK);
-            code.extend(read(terminal));
-            if code.iter().all(|&byte| byte == ESCAPE) {
-                keys.push(ESCAPE);
-            }
-        }
-        keys
-    }
-
-    /// Reads what the terminal has. What does not fit is read in the next iteration of the loop. If the
-    /// terminal is gone, `size` reports it.
-    fn read(mut terminal: &File) -> Vec<u8> {
-        let mut bytes = [0; 4096];
+    /// Reads what the terminal has sent. If the terminal is gone, `size` reports it.
+    pub fn read(mut terminal: &File) -> Vec<u8> {
         // Where there is nothing to read, do not even try: a shell may just have put the program into the
         // background, where trying would stop it.
-        let has_keys = rustix::io::ioctl_fionread(terminal).is_ok_and(|count| count > 0);
-        let count = if has_keys { terminal.read(&mut bytes).unwrap_or(0) } else { 0 };
-        bytes[..count].to_vec()
+        let mut bytes = vec![0; rustix::io::ioctl_fionread(terminal).unwrap_or(0) as usize];
+        if !bytes.is_empty() {
+            // Another program may read the same bytes first. So this read must not wait for them.
+            let _ = fs::fcntl_setfl(terminal, OFlags::NONBLOCK);
+            let count = terminal.read(&mut bytes).unwrap_or(0);
+            let _ = fs::fcntl_setfl(terminal, OFlags::empty());
+            bytes.truncate(count);
+        }
+        bytes
     }
 }
 
@@ -1251,17 +1291,14 @@ mod system {
 mod system {
     use super::*;
     use crossterm::event::{self, KeyCode};
-    use std::io::IsTerminal;
     use std::os::windows::io::AsHandle;
+
+    pub type Settings = ();
 
     pub fn open_output() -> io::Result<(File, bool)> {
         crossterm::ansi_support::supports_ansi(); // Asking turns on the console's escape codes.
         let stdout = io::stdout();
         Ok((stdout.as_handle().try_clone_to_owned()?.into(), stdout.is_terminal()))
-    }
-
-    pub fn catch_signals(_: &Console) -> io::Result<()> {
-        Ok(())
     }
 
     pub fn raise(_: i32) {}
@@ -1275,12 +1312,11 @@ mod system {
         crossterm::terminal::size()
     }
 
-    pub fn set_nonblocking(_: &File, _: bool) {}
-    pub fn set_cbreak_mode(_: &File) {}
-    pub fn restore_settings(_: &File) {}
+    pub fn set_cbreak_mode(_: &File, _: &OnceLock<Settings>) {}
+    pub fn restore_settings(_: &File, _: &OnceLock<Settings>) {}
     pub fn discard_output(_: &File) {}
 
-    pub fn keys(_: &File) -> Vec<u8> {
+    pub fn read(_: &File) -> Vec<u8> {
         let mut keys = Vec::new();
         while event::poll(Duration::ZERO).unwrap_or(false) {
             let Ok(event) = event::read() else { break };

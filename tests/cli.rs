@@ -76,7 +76,7 @@ fn both_helps_have_headings_defaults_and_values_and_no_line_longer_than_80_colum
 #[test]
 fn numbers_are_accepted_within_their_range() {
     let size = "a whole number from 1 to 4096";
-    let angle = "a number from -1000000000 to 1000000000";
+    let angle = "a number from -1000 to 1000";
     for (options, allowed, accepted, refused) in [
         ("--width --height", size, "1 4096", "0 4097 -5 65536 1.5 x  1e3"),
         ("--fps", "a number from 0 to 1000", "0 1000", "-1 -0.5 1000.1 1001 nan inf -inf fast "),
@@ -87,21 +87,16 @@ fn numbers_are_accepted_within_their_range() {
             "-1 1000000000001 18446744073709551616 1.5 many ",
         ),
         ("--aspect", "a number from 0.1 to 10", "0.1 10", "0 0.09 10.1 11 -2 nan wide "),
-        ("-A -B", angle, "-1e9 -1.5 1e9", "1000000001 -1000000001 2e9 nan inf -inf north 1,2 "),
+        ("-A -B", angle, "-1000 -1.5 1e3", "1000.001 -1000.001 2e9 nan inf -inf north 1,2 "),
         (
             "--spin",
             angle,
-            "-1e9,1e9 -0.04,0.02",
-            "2e9,0 0,1000000001 inf,0 a,b 0.04, ,0.02 , 1,2,3 1,2,",
+            "-1e3,1e3 -0.04,0.02",
+            "2e9,0 0,1000.001 inf,0 a,b 0.04, ,0.02 , 1,2,3 1,2,",
         ),
         ("--spin", "two angles with a comma", "0,0", "0.04 0.04;0.02  -"),
         ("--r2", "a number from 1.01 to 30", "1.01 3.99", "1.009 30.1 -2 nan "),
-        (
-            "--k2",
-            "a number from 2.01201 to 1000000",
-            "3.003 1000000",
-            "2.012 0 1000001 1e7 -5 nan inf big ",
-        ),
+        ("--k2", "invalid float literal", "3.003 1000000", "big 1,2"),
     ] {
         for option in options.split(' ') {
             for value in accepted.split(' ') {
@@ -118,16 +113,15 @@ fn numbers_are_accepted_within_their_range() {
 
 #[test]
 fn options_that_do_not_fit_together_are_refused() {
-    let viewer = "1.001 times the sum of 1 and --r2";
+    let viewer = "(1.001 times the sum of 1 and --r2) to 1000000";
     let classic = "--method classic needs --r2 2 and --k2 5";
     for (options, values, rule) in [
-        ("--r2=10", "--k2 is 5, but must be at least 11.011", viewer),
-        ("--r2=10 --k2=11.0109", "--k2 is 11.0109, but must be at least 11.011", viewer),
-        (
-            "--k2=3.0029999999999997",
-            "--k2 is 3.0029999999999997, but must be at least 3.003",
-            viewer,
-        ),
+        ("--r2=10", "--k2 is 5, but must be from 11.011", viewer),
+        ("--r2=10 --k2=11.0109", "--k2 is 11.0109, but must be from 11.011", viewer),
+        ("--k2=3.0029999999999997", "--k2 is 3.0029999999999997, but must be from 3.003", viewer),
+        ("--k2=1000000.1", "--k2 is 1000000.1, but must be from 3.003", viewer),
+        ("--k2=-5", "--k2 is -5, but must be from 3.003", viewer),
+        ("--k2=nan", "--k2 is NaN, but must be from 3.003", viewer),
         ("--method=classic --r2=3", "but these are 3 and 5", classic),
         ("--method=classic --k2=5.000001", "but these are 2 and 5.000001", classic),
     ] {
@@ -140,13 +134,10 @@ fn the_least_distance_that_a_message_names_is_accepted() {
     // In f64, 1.001 * (1 + 15.06) is a little more than 16.07606.
     for r2 in ["1.01", "30", "15.06", "1.1", "2.2", "1.2345678901234567", "29.999999999999996"] {
         let r2 = format!("--r2={r2}");
-        let refused = run(&mut command(&["--frames=0", &r2, "--k2=2.01201"]));
+        let refused = run(&mut command(&["--frames=0", &r2, "--k2=1"]));
         let message = String::from_utf8(refused.stderr).unwrap();
-        let least = match message.split_once("at least ") {
-            Some((_, rest)) => rest.split(':').next().unwrap(),
-            None => "2.01201",
-        };
-        output_of(&["--frames=0", &r2, "--k2", least]);
+        let (_, least) = message.split_once("must be from ").unwrap();
+        output_of(&["--frames=0", &r2, "--k2", least.split(' ').next().unwrap()]);
     }
 }
 
@@ -389,9 +380,8 @@ fn number(low: f64, high: f64) -> impl Strategy<Value = f64> {
 }
 
 fn angle() -> impl Strategy<Value = f64> {
-    // The last one is where the floats of classic get too coarse.
-    let special = [0.0, 1e-300, -1e-300, std::f64::consts::FRAC_PI_2, 131_072.0];
-    prop_oneof![number(-1e9, 1e9), -7.0..7.0, prop::sample::select(special.to_vec())]
+    let special = [0.0, 1e-300, -1e-300, std::f64::consts::FRAC_PI_2];
+    prop_oneof![number(-1e3, 1e3), -7.0..7.0, prop::sample::select(special.to_vec())]
 }
 
 fn size(most: u16) -> impl Strategy<Value = u16> {

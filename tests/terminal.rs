@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use pty::Pty;
 #[cfg(target_os = "linux")]
-use rustix::process::{Pid, Resource, Rlimit, prlimit};
+use rustix::process::Pid;
 use rustix::process::{Signal, kill_process};
 
 const DONUT: &str = env!("CARGO_BIN_EXE_donut");
@@ -26,7 +26,7 @@ const ONE_FRAME: &str = "--fps=1e-300";
 const SIZE: (u16, u16) = (80, 24);
 /// The commands that end the updates and leave the terminal, as the terminal gets them.
 const END_UPDATE: &str = "\x1b[?2026l";
-const LEAVE: &str = "\x1b[1G\x1b[?25h\x1b[?1049h\x1b[2J\x1b[?1049l";
+const LEAVE: &str = "\x1b[1G\x1b[?25h\x1b[?1047h\x1b[2J\x1b[?1049l";
 
 /// The signals that ask donut to end, and what a shell then calls its exit code.
 const SIGNALS: [(Signal, u32); 4] =
@@ -511,6 +511,21 @@ fn a_terminal_that_cannot_be_opened_is_treated_as_a_pipe() {
 }
 
 #[test]
+fn the_shells_cursor_comes_back_where_only_one_can_be_saved() {
+    let pty = run_in_sh("printf 'one\\ntwo\\n'; exec STILL");
+    wait_for_picture(&pty, SIZE);
+    // Without a shell that could resume it, Ctrl-Z makes donut leave the terminal and enter it again.
+    pty.type_bytes(b"\x1a");
+    pty.wait_for("entering again", |pty| enter_count(pty) == 2);
+    pty.signal(Signal::STOP);
+    pty.signal(Signal::CONT);
+    pty.wait_for("entering once more", |pty| enter_count(pty) == 3);
+    assert_quits(&pty);
+    assert_eq!(pty.lines()[..3], ["one", "two", ""]);
+    assert_eq!(pty.screen(vt100::Screen::cursor_position), (2, 0));
+}
+
+#[test]
 fn in_tmux_a_new_size_leaves_no_rows_in_the_shells_screen() {
     if !is_installed("tmux") {
         return;
@@ -720,17 +735,36 @@ fn keys_and_signals_are_obeyed_on_a_slow_terminal() {
     }
 }
 
-/// Without room for a thread's stack, the system starts no threads.
-#[cfg(target_os = "linux")]
+/// Linux lets one program at a time write to a terminal. A frame waits for its turn, and keys are read.
 #[test]
-fn a_signal_restores_where_no_thread_can_be_started() {
-    let pty = run_donut(&[], SIZE);
-    wait_for_first_frame(&pty);
-    // Another MB is enough for what donut writes, but not for the stack, which has 2 MiB.
-    let most = Some(1024 * (status(&pty, "VmSize:") + 1000));
-    prlimit(Some(pty.pid()), Resource::As, Rlimit { current: most, maximum: most }).unwrap();
-    pty.signal(Signal::TERM);
-    pty.assert_ends(143);
+fn frames_come_and_q_quits_beside_a_program_that_always_writes() {
+    for size in [1, 4096, 65_536] {
+        let pty = run_donut(&[], SIZE);
+        wait_for_first_frame(&pty);
+        let (mut terminal, is_over) = (pty.open(), AtomicBool::new(false));
+        scope(|scope| {
+            scope.spawn(|| {
+                while !is_over.load(SeqCst) {
+                    terminal.write_all(&vec![0; size]).unwrap();
+                }
+            });
+            wait_for_more_frames(&pty, 10);
+            pty.type_bytes(b"q");
+            let code = pty.wait_for_exit();
+            is_over.store(true, SeqCst);
+            assert_eq!(code, 0);
+        });
+        pty.assert_ends(0);
+    }
+}
+
+#[test]
+fn where_no_thread_can_be_started_there_is_an_error_and_no_picture() {
+    // No memory has room for such a stack.
+    let pty = run_in_sh("RUST_MIN_STACK=200000000000000 exec DONUT");
+    pty.assert_ends(1);
+    assert!(pty.lines()[0].starts_with("donut: "), "{:?}", pty.lines());
+    assert!(!pty.written().contains('\x1b'));
 }
 
 // ---- Job control ---------------------------------------------------------------------------------
@@ -906,7 +940,7 @@ fn what_was_on_the_shells_screen_during_a_stop_stays_there() {
     // As a program does that has had the alternate screen in the meantime.
     type_line(&pty, r"printf '\033[?1049l\033[?25h\033[2J\033[Hkept\n'");
     pty.wait_for("the text", |pty| pty.lines().contains(&"kept".to_string()));
-    "shell fg picture q code=0".split(' ').for_each(|name| step(&pty, name));
+    "shell fg picture q end shell".split(' ').for_each(|name| step(&pty, name));
     assert!(pty.lines().contains(&"kept".to_string()), "{:?}", pty.lines());
 }
 

@@ -30,9 +30,32 @@ pub struct Pty {
     settings: String,
 }
 
+/// A terminal that, as Vim's, has room for one saved cursor: each `ESC[?1049h` overwrites it. vt100 saves
+/// one for each screen, and does not know code 1047, which switches screens without saving a cursor.
 struct Seen {
     terminal: Parser,
+    saved_cursor: (u16, u16),
     bytes: Vec<u8>,
+}
+
+impl Seen {
+    fn add(&mut self, bytes: &[u8]) {
+        for part in bytes.split_inclusive(|&byte| byte == b'h' || byte == b'l') {
+            let (last, start) = part.split_last().unwrap();
+            self.terminal.process(start);
+            let cursor = self.terminal.screen().cursor_position();
+            self.terminal.process(&[*last]);
+            self.bytes.extend_from_slice(part);
+            if self.bytes.ends_with(b"\x1b[?1049h") {
+                self.saved_cursor = cursor;
+            } else if self.bytes.ends_with(b"\x1b[?1047h") {
+                self.terminal.process(b"\x1b[?47h");
+            } else if self.bytes.ends_with(b"\x1b[?1049l") {
+                let (row, column) = self.saved_cursor;
+                self.terminal.process(format!("\x1b[{};{}H", row + 1, column + 1).as_bytes());
+            }
+        }
+    }
 }
 
 /// The child of a process, as `ps` sees it.
@@ -93,9 +116,7 @@ impl Pty {
     fn read_once(seen: &Mutex<Seen>, reader: &mut dyn Read, bytes: usize) -> io::Result<usize> {
         let mut buffer = vec![0; bytes];
         let count = reader.read(&mut buffer)?;
-        let mut seen = seen.lock().unwrap();
-        seen.terminal.process(&buffer[..count]);
-        seen.bytes.extend_from_slice(&buffer[..count]);
+        seen.lock().unwrap().add(&buffer[..count]);
         Ok(count)
     }
 
@@ -117,7 +138,8 @@ impl Pty {
         let keys = pair.master.take_writer().unwrap();
         let (rows, columns) = rows_and_columns(size);
         let terminal = Parser::new(rows, columns, 1000);
-        let seen = Arc::new(Mutex::new(Seen { terminal, bytes: Vec::new() }));
+        let seen = Seen { terminal, saved_cursor: (0, 0), bytes: Vec::new() };
+        let seen = Arc::new(Mutex::new(seen));
         Pty {
             master: Some(pair.master),
             _slave: pair.slave,

@@ -435,7 +435,7 @@ fn the_donut_is_as_large_as_it_can_be_uncut() {
 fn angle() -> impl Strategy<Value = f64> {
     let hair = (-6.0..-1.0_f64).prop_map(|exponent| 10_f64.powf(exponent));
     let near = (-8..=8, hair).prop_map(|(n, hair)| f64::from(n) * FRAC_PI_2 + hair);
-    prop_oneof![-1e9..=1e9, near]
+    prop_oneof![ANGLES, near]
 }
 
 proptest! {

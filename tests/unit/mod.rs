@@ -3,7 +3,8 @@
 //! - `oracle.rs`: a second way to find what a ray sees. It is slow, and shares no code with the program.
 //! - `exact.rs`: every cell that `exact` draws shows what the oracle sees there.
 //! - `classic.rs`: the parts of `classic`, and how its picture differs from the oracle's.
-//! - `clock.rs`: the angles A and B of frame after frame, and the method that draws each by default.
+//! - `clock.rs`: the angles A and B of frame after frame, and the method that draws them by default.
+//! - `keys.rs`: the keys among the bytes that a terminal sends.
 //! - `panic.rs`: the terminal is restored after a panic.
 //! - `dist.rs`: the manual page and the completions in tests/dist say what the program does.
 //! - `chart/`: measures the speed and the accuracy of several methods, and draws the README's pictures.
@@ -16,12 +17,13 @@ mod classic;
 mod clock;
 mod dist;
 mod exact;
+mod keys;
 mod oracle;
 #[cfg(unix)]
 mod panic;
 
 use super::*;
-use clock::{FROZEN, HANDOVER};
+use clock::FROZEN;
 use oracle::{Oracle, Verdict, differ, level_of};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fs;

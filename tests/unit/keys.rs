@@ -1,0 +1,61 @@
+//! The keys among the bytes that a terminal sends.
+
+use super::*;
+
+/// The keys among these bytes, which come in pieces, and a while after them.
+fn keys<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> Vec<u8> {
+    let mut reader = KeyReader { code: Code::Nothing, last_read: Instant::now() };
+    let mut keys: Vec<_> = pieces.into_iter().flat_map(|piece| reader.keys(piece)).collect();
+    reader.last_read -= TICK;
+    keys.extend(reader.keys(b""));
+    keys
+}
+
+#[test]
+fn codes_are_followed_to_their_end_whole_or_in_pieces() {
+    for (bytes, expected) in [
+        (&b"qp x"[..], &b"qp x"[..]),
+        // Arrow keys, keys of the keypad, function keys and a mouse.
+        (b"\x1b[Aq", b"q"),
+        (b"\x1bOqq", b"q"),
+        (b"\x1b[1;5Aq", b"q"),
+        (b"\x1b[5~\x1b[<35;40;12Mq", b"q"),
+        // Alt and a key.
+        (b"\x1bqp", b"p"),
+        (b"\x1b q", b"q"),
+        // A terminal's answers: what it is, where the cursor is, and a colour.
+        (b"\x1bP>|a terminal q p\x1b\\q", b"q"),
+        (b"\x1b[?62;22c\x1b[24;80Rq", b"q"),
+        (b"\x1b]11;rgb:q/p/q\x07q", b"q"),
+        (b"\x1b]11;rgb:q/p/q\x1b\\q", b"q"),
+        (b"\x1bXq\x07\x1b^q\x07\x1b_q\x07q", b"q"),
+        // An ESC begins another code, wherever it comes.
+        (b"\x1b\x1b[Aq", b"q"),
+        (b"\x1b[\x1bOqq", b"q"),
+        // The Esc key.
+        (b"\x1b", b"\x1b"),
+        (b"x\x1b\x1b", b"x\x1b"),
+        // Codes that do not go on.
+        (b"\x1b[", b""),
+        (b"\x1bO", b""),
+        (b"\x1b]11;q", b""),
+    ] {
+        assert_eq!(keys([bytes]), expected, "{bytes:?}");
+        assert_eq!(keys(bytes.chunks(1)), expected, "{bytes:?}");
+        for (one, other) in (0..bytes.len()).map(|at| bytes.split_at(at)) {
+            // The loop also looks where nothing has come yet.
+            assert_eq!(keys([one, b"", other]), expected, "{bytes:?}");
+        }
+    }
+}
+
+#[test]
+fn a_code_that_does_not_go_on_is_dropped_after_a_while() {
+    for code in [&b"\x1b["[..], b"\x1bO", b"\x1b]11;", b"\x1b[1;"] {
+        let mut reader = KeyReader { code: Code::Nothing, last_read: Instant::now() };
+        assert_eq!(reader.keys(code), b"");
+        reader.last_read -= TICK;
+        assert_eq!(reader.keys(b""), b"");
+        assert_eq!(reader.keys(b"q"), b"q");
+    }
+}
