@@ -22,10 +22,10 @@
 //!          :......... K2 .........:
 //! ```
 //!
-//! donut.c has R1 = 1, R2 = 2 and K2 = 5. The screen is a grid of cells, one for each character, and K1, the
-//! distance from the viewer to the screen, is measured in cells: it is 30 columns, or 15 rows, since a cell
-//! is twice as tall as it is wide. The x axis goes right, the y axis goes *down*, and the z axis goes away
-//! from the viewer.
+//! donut.c has R1 = 1, R2 = 2 and K2 = 5, so its unit of length is the radius of the tube. The screen is a
+//! grid of cells, one for each character. K1, the distance from the viewer to the screen, only sets the scale
+//! of the picture, and is measured in cells: it is 30 columns, or 15 rows, since a cell is twice as tall as
+//! it is wide. The x axis goes right, the y axis goes *down*, and the z axis goes away from the viewer.
 //!
 //! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps of
 //! 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one sample: a
@@ -44,11 +44,11 @@
 //! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
 //! ```
 //!
-//! **Perspective.** Seen from the viewer, the point is at the depth `z = Z + K2`. Things twice as far away
-//! look half as large, so the point appears `K1 X / z` to the right of the donut's centre, and `K1 Y / z`
-//! below it. donut.c puts this centre at column 40 and row 12 of its 80x22 cells. That is below the middle,
-//! and in some poses the lowest part of the donut is cut off. (So is a little of the highest part, because
-//! nothing is drawn in row 0.)
+//! **Perspective.** From here on, z is the depth of the point, its distance from the viewer along the z axis:
+//! `z = Z + K2`. Things twice as far away look half as large, so the point appears `K1 X / z` to the right of
+//! the donut's centre, and `K1 Y / z` below it. donut.c puts this centre at column 40 and row 12 of its 80x22
+//! cells. That is below the middle, and in some poses the lowest part of the donut is cut off. (So is a
+//! little of the highest part, because nothing is drawn in row 0.)
 //!
 //! **The z-buffer.** Many samples fall into the same cell, and the cell shows the nearest of them. To find
 //! it, a z-buffer keeps the largest 1/z so far for each cell. (The perspective needs 1/z anyway, and 0 can
@@ -56,7 +56,7 @@
 //!
 //! **Luminance.** The cell shows how bright its sample is. The luminance L is the dot product of the normal
 //! and the vector (0, -1, -1), which points at the light, above and behind the viewer. This vector is sqrt 2
-//! long, so L is at most sqrt 2, and 8 L is at most 11.3. The integer part of 8 L is an index, from 0 to 11,
+//! long, so L is at most sqrt 2, and 8 L is less than 12. The integer part of 8 L is an index, from 0 to 11,
 //! into a ramp of twelve characters from dark to bright, `.,-~:;=!*#$@`. Where L is negative, the surface
 //! faces away from the light, and the index is 0.
 //!
@@ -72,10 +72,9 @@
 //!
 //! # This file
 //!
-//! `View` says where the donut appears in the picture, and `Renderer` draws it by either method. The next two
-//! sections are the mathematics of the methods: donut.c's arithmetic, and the search for the point that a ray
-//! hits. Then come the options, and the loop that draws frame after frame. The last section is the terminal:
-//! its screen, keys and signals, and what differs between systems.
+//! `View` says where the donut appears in the picture, and `Renderer` draws it. Then each method has a
+//! section of its own. After them come the options, and the loop that draws frame after frame. The last
+//! section is the terminal: its screen, keys and signals, and what differs between systems.
 //!
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
@@ -106,11 +105,13 @@ use crossterm::terminal::{self, Clear, ClearType, EnterAlternateScreen, LeaveAlt
 /// the cell in column c and row r reaches from c to c + 1 across, and from r to r + 1 down. The point
 /// (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)` and `y = cy + k1y Y / (Z + K2)`.
 ///
-/// Nothing is drawn in column 0 or in row 0. In place of column 0, donut.c prints a newline, and its test
-/// `y > 0` leaves out row 0.
+/// Nothing is drawn in column 0 or in row 0: in place of column 0, donut.c prints a newline, and its test
+/// `y > 0` leaves out row 0. This margin does not depend on the method, so that the pictures of the two
+/// methods can be laid over each other.
 #[derive(Clone, Copy, PartialEq)]
 struct View {
     r2: f64,
+    /// The distance from the viewer to the donut's centre.
     k2: f64,
     /// Columns and rows of the picture.
     width: usize,
@@ -134,9 +135,9 @@ impl View {
         if (width, height, aspect, r2, k2) == (80, 22, 2.0, 2.0, 5.0) {
             return View::DONUT_C;
         }
+        // Column 0 and row 0 stay empty, so the donut is in the middle of the other cells.
         let (w, h) = (width as f64, height as f64);
         let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / apparent_radius(r2, k2);
-        // Column 0 and row 0 stay empty, so the donut is in the middle of the other cells.
         let (cx, cy) = ((w + 1.0) / 2.0, (h + 1.0) / 2.0);
         View { r2, k2, width, height, cx, cy, k1x, k1y: k1x / aspect }
     }
@@ -144,7 +145,9 @@ impl View {
 
 /// How large the donut can look. However the donut is rotated, it just fits into its bounding sphere, which
 /// has the radius R1 + R2. The sphere looks like a circle. The result is the radius of that circle on a
-/// screen at the distance 1.
+/// screen at the distance 1: the tangent of the angle at the viewer between the centre of the sphere and a
+/// ray that touches it. Where a ray touches a sphere, it is perpendicular to the radius, so the viewer, the
+/// centre and that place are the corners of a right triangle.
 fn apparent_radius(r2: f64, k2: f64) -> f64 {
     let radius = 1.0 + r2;
     radius / (k2 * k2 - radius * radius).sqrt()
@@ -166,7 +169,8 @@ const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
 
 /// The character of a luminance L: the one at index 8 L of the ramp.
 fn glyph(luminance: f64) -> u8 {
-    // `as u8` drops the fraction, and makes a negative number 0. `min` only saves a bounds check.
+    // `as u8` drops the fraction, and makes a negative number 0. L is at most sqrt 2, so 8 L is less than 12,
+    // and `min` changes nothing, but saves a bounds check.
     RAMP[usize::from((8.0 * luminance) as u8).min(RAMP.len() - 1)]
 }
 
@@ -179,7 +183,7 @@ struct Renderer {
     /// framebuffer, because in donut.c's own view some samples fall below the picture, by up to two rows.
     zbuffer: Vec<f32>,
     /// For `classic`: the tables of theta and of phi, made when they are first needed.
-    tables: Option<[TrigTable; 2]>,
+    tables: Option<[(Vec<f32>, Vec<f32>); 2]>,
 }
 
 impl Renderer {
@@ -203,31 +207,41 @@ impl Renderer {
         let glyphs = self.framebuffer.iter_mut().filter(|cell| **cell != b' ');
         glyphs.for_each(|glyph| *glyph = RAMP[0]);
     }
+}
 
+// ---- classic: samples of the surface -------------------------------------------------------------
+
+impl Renderer {
     /// `classic`: donut.c's double loop over theta and phi.
     ///
     /// All arithmetic is in f32 and in donut.c's order of operations, because another order would round to
     /// other characters. donut.c has names of one letter: `sin_phi` is its c, `cos_theta` d, `sin_a` e,
     /// `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `cell` o.
+    #[inline(never)] // Inlined into the program's loop, it would be slower by 8%.
     fn plot_samples(&mut self, a: f32, b: f32) {
         let View { width, height, r2, k2, cx, cy, k1x, k1y } = self.view;
+        let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
+        let (sin_a, cos_a) = c_sin_cos(a);
+        let (sin_b, cos_b) = c_sin_cos(b);
+        let tables = self.tables.get_or_insert_with(|| angle_steps(&self.view).map(trig_table));
+        let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] = tables;
+
         // In a cell of the picture, 1/z = 0 means infinitely far away, so that any sample is nearer. Column
         // 0, row 0 and the rows below the picture have infinity instead, which no sample exceeds.
         self.zbuffer.fill(f32::INFINITY);
         for row in 1..height {
             self.zbuffer[row * width + 1..(row + 1) * width].fill(0.0);
         }
-        let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
-        let ((sin_a, cos_a), (sin_b, cos_b)) = (sin_cos(a), sin_cos(b));
-        let tables = self.tables.get_or_insert_with(|| angle_steps(&self.view).map(trig_table));
-        let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] = tables;
+
         // donut.c's loop over phi is three loops here, so that the compiler can vectorise the first two. The
         // slices tell it that the tables are equally long, which saves the bounds checks.
         let phi_count = sin_phis.len();
         let (sin_phis, cos_phis) = (&sin_phis[..phi_count], &cos_phis[..phi_count]);
-        let (mut x, mut y, mut ooz) =
-            (vec![0.0; phi_count], vec![0.0; phi_count], vec![0.0; phi_count]);
+        let mut ooz = vec![0.0; phi_count];
+        let mut x = vec![0.0; phi_count];
+        let mut y = vec![0.0; phi_count];
         let mut cells = vec![0; phi_count];
+
         for (&sin_theta, &cos_theta) in sin_thetas.iter().zip(cos_thetas.iter()) {
             let h = cos_theta + r2;
             for i in 0..phi_count {
@@ -237,12 +251,15 @@ impl Renderer {
                 x[i] = cx + k1x * ooz[i] * (cos_phi * h * cos_b - t * sin_b);
                 y[i] = cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b);
             }
-            // donut.c skips the samples outside the picture. Here, the z-buffer rejects those below it. No
-            // sample falls left of column 0 or above row 0, because the bounding sphere ends there. A sample
-            // on the right edge, where x is `width`, counts as one in column 0 of the next row.
+
+            // donut.c skips the samples outside the picture. Here, the z-buffer rejects those below it. None
+            // has a negative x or y, because every view has room for the bounding sphere on the left and at
+            // the top. A sample on the right edge, where x is `width`, counts as one in column 0 of the next
+            // row.
             for i in 0..phi_count {
-                cells[i] = floor(x[i]) + width as u32 * floor(y[i]);
+                cells[i] = truncate(x[i]) + width as u32 * truncate(y[i]);
             }
+
             for i in 0..phi_count {
                 let (cell, sin_phi, cos_phi) = (cells[i] as usize, sin_phis[i], cos_phis[i]);
                 if self.zbuffer[cell] < ooz[i] {
@@ -257,7 +274,63 @@ impl Renderer {
             }
         }
     }
+}
 
+/// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
+///
+/// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
+/// gaps: at A = B = 1.5708, donut.c's own picture has a few. In a larger picture, k1x and k1y are n times
+/// donut.c's, and each step is divided by n, so that the samples stay about a cell apart. If the cells have
+/// another shape, k1x and k1y are not the same multiple of donut.c's, and n is the larger of the two. (Very
+/// narrow or wide cells still leave a few gaps. Through them, the far wall of an upright edge-on donut shows
+/// in 30 cells at 300x300 and an aspect of 4, and in 6 at an aspect of 0.25.)
+fn angle_steps(view: &View) -> [f64; 2] {
+    let scale = f64::min(View::DONUT_C.k1x / view.k1x, View::DONUT_C.k1y / view.k1y).min(1.0);
+    [0.07 * scale, 0.02 * scale]
+}
+
+/// The sines and the cosines of the angles that one of donut.c's loops runs through: 0, `step`, and so on,
+/// once round.
+fn trig_table(step: f64) -> (Vec<f32>, Vec<f32>) {
+    let angles = std::iter::successors(Some(0.0), |&angle| Some(add_step(angle, step)));
+    // donut.c stops at 6.28. With its own steps, TAU gives the same angles. With shorter steps, stopping at
+    // 6.28 would leave a gap.
+    angles.take_while(|&angle| f64::from(angle) < TAU).map(c_sin_cos).unzip()
+}
+
+/// donut.c's `angle += step`: C adds in `double` and rounds the sum to `float`.
+fn add_step(angle: f32, step: f64) -> f32 {
+    (f64::from(angle) + step) as f32
+}
+
+/// The sine and the cosine of an angle: C computes them in `double`, and rounds them to `float`. (The last
+/// digit of f32's own `sin_cos` is not the same on every system.)
+fn c_sin_cos(angle: f32) -> (f32, f32) {
+    let (sin, cos) = f64::from(angle).sin_cos();
+    (sin as f32, cos as f32)
+}
+
+/// `value as u32`, for values from 0 to 2^23. Not every processor has a vector instruction for that cast, so
+/// it is done by addition. From 2^23 to 2^24 floats are 1 apart, so adding 2^23 rounds the value to an
+/// integer, which is left in the low bits of the sum. If it was rounded up, it is one too large.
+fn truncate(value: f32) -> u32 {
+    const TWO_TO_23: f32 = 8_388_608.0;
+    let rounded = value + TWO_TO_23;
+    let was_rounded_up = rounded - TWO_TO_23 > value;
+    rounded.to_bits() - TWO_TO_23.to_bits() - u32::from(was_rounded_up)
+}
+
+// ---- exact: a ray for each cell --------------------------------------------------------------------
+
+/// How many rays are followed side by side. The compiler vectorises the loops over them, and while one ray
+/// waits for a division, others go on.
+const LANES: usize = 8;
+
+/// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly an
+/// integer. Rounding would then choose between two glyphs; this makes every machine draw the brighter one.
+const TIE_BIAS: f64 = 1e-12;
+
+impl Renderer {
     /// `exact`: each cell shows what the ray through its centre hits first. `first_hits` finds the hits of N
     /// rays at a time. (It is a parameter because the tests compare several ways of finding them.)
     fn trace<const N: usize>(
@@ -269,17 +342,19 @@ impl Renderer {
         let View { r2, k2, width, cx, cy, k1x, k1y, .. } = self.view;
         let torus = Torus::new(r2, a, b);
         let radius = apparent_radius(r2, k2);
+
         for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
+            // A ray can only hit if it passes through the circle that the bounding sphere looks like. In this
+            // row, the circle reaches from cx - half_width to cx + half_width, and never into column 0.
             let dy = (row as f64 + 0.5 - cy) / k1y;
-            // Only the cells in the circle of the bounding sphere can show the donut. (Row 0 is skipped.
-            // Rays through column 0 miss, because `View` leaves it free.)
             let half_width = (radius * radius - dy * dy).max(0.0).sqrt() * k1x;
             let end = width.min((cx + half_width) as usize + 1);
+
             for column in ((cx - half_width) as usize..end).step_by(N) {
                 let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
                 let rays = array::from_fn(|i| torus.ray(dx(i), dy, k2));
                 let hits = first_hits(&torus, &rays);
-                // For a miss the luminance is meaningless, but skipping it would take a branch.
+                // For a miss the luminance is meaningless, but a branch would prevent vectorisation.
                 let luminances: [f64; N] = array::from_fn(|i| torus.luminance(&rays[i], hits[i]));
                 for (i, cell) in cells[column..end].iter_mut().take(N).enumerate() {
                     if hits[i] < MISS {
@@ -291,71 +366,18 @@ impl Renderer {
     }
 }
 
-// ---- classic: donut.c's arithmetic ---------------------------------------------------------------
+/// The donut of one frame.
+struct Torus {
+    r2: f64,
+    /// The axis of revolution: the vector (0, 0, 1), rotated by A and B.
+    axis: [f64; 3],
+}
 
-/// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
+/// A ray as one torus sees it: not where it is, but how near its points are to the torus.
 ///
-/// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
-/// gaps. (At A = B = 1.5708, donut.c's own picture has a few.) In a larger picture, where k1x and k1y
-/// are n times donut.c's, each step is divided by n. For cells of another shape, k1x and k1y differ in n, and
-/// the larger one counts.
-fn angle_steps(view: &View) -> [f64; 2] {
-    let scale = f64::min(View::DONUT_C.k1x / view.k1x, View::DONUT_C.k1y / view.k1y).min(1.0);
-    [0.07 * scale, 0.02 * scale]
-}
-
-/// The sines and the cosines of the angles that one of donut.c's loops runs through.
-type TrigTable = (Vec<f32>, Vec<f32>);
-
-/// The table for the angles 0, `step`, and so on, once round.
-fn trig_table(step: f64) -> TrigTable {
-    let angles = std::iter::successors(Some(0.0), |&angle| Some(add_step(angle, step)));
-    // donut.c stops at 6.28. With its own steps, TAU gives the same angles; shorter ones would leave a gap.
-    angles.take_while(|&angle| f64::from(angle) < TAU).map(sin_cos).unzip()
-}
-
-/// donut.c's `angle += step`: C adds in `double` and rounds the sum to `float`.
-fn add_step(angle: f32, step: f64) -> f32 {
-    (f64::from(angle) + step) as f32
-}
-
-/// The sine and the cosine of an angle: C computes them in `double`, and rounds them to `float`.
-fn sin_cos(angle: f32) -> (f32, f32) {
-    let (sin, cos) = f64::from(angle).sin_cos();
-    (sin as f32, cos as f32)
-}
-
-/// The integer part of a value from 0 to 2^23: `value as u32`, but in plain arithmetic, which the compiler
-/// vectorises even if the processor has no vector instruction for the cast. From 2^23 to 2^24 floats are 1
-/// apart, so adding 2^23 rounds the value to an integer, which is left in the low bits of the sum. If it was
-/// rounded up, it is one too large.
-fn floor(value: f32) -> u32 {
-    const TWO_TO_23: f32 = 8_388_608.0;
-    let rounded = value + TWO_TO_23;
-    let was_rounded_up = rounded - TWO_TO_23 > value;
-    rounded.to_bits() - TWO_TO_23.to_bits() - u32::from(was_rounded_up)
-}
-
-// ---- exact: rays and a torus ---------------------------------------------------------------------
-
-/// How many rays are followed side by side. The compiler vectorises the loops over them, and while one ray
-/// waits for a division, others go on.
-const LANES: usize = 8;
-/// The s of a ray that misses (see `Ray`).
-const MISS: f64 = f64::INFINITY;
-/// A search for a hit ends with a step no longer than this, in units of R1. Newton's method converges so fast
-/// that little more than rounding error is left then. Only where a ray grazes the donut may the true hit be
-/// further away; but there the ray runs along the surface, so that this does not show.
-const LAST_STEP: f64 = 1e-8;
-/// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly an
-/// integer. Rounding would then choose between two glyphs; this makes every machine draw the brighter one.
-const TIE_BIAS: f64 = 1e-12;
-
-/// A ray: the points P = P0 + s U.
-///
-/// U is the direction of the ray, of length 1. P0 is the point of the ray that is nearest to the donut's
-/// centre, the origin, so P0 and U are perpendicular. The number s says where on the ray P is: s is 0 at P0,
-/// and negative on the viewer's side of it. Three quantities at P matter:
+/// A point of the ray is P = P0 + s U. U is the direction of the ray, of length 1. P0 is the point of the ray
+/// that is nearest to the donut's centre, the origin, so P0 and U are perpendicular. The number s says where
+/// on the ray P is: s is 0 at P0, and negative on the viewer's side of it. Three quantities at P matter:
 /// ```text
 /// |P|^2 = d0^2 + s^2    the square of the distance from the centre
 /// f     = f0 + fu s     the distance from the plane of the ring, negative on one side
@@ -370,16 +392,13 @@ struct Ray {
     lu: f64,
 }
 
-/// The donut of one frame.
-struct Torus {
-    r2: f64,
-    /// The axis of revolution: the vector (0, 0, 1), rotated by A and B.
-    axis: [f64; 3],
-}
+/// The s of a ray that misses the donut.
+const MISS: f64 = f64::INFINITY;
 
 impl Torus {
     fn new(r2: f64, a: f64, b: f64) -> Torus {
-        let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
+        let (sin_a, cos_a) = a.sin_cos();
+        let (sin_b, cos_b) = b.sin_cos();
         Torus { r2, axis: [sin_a * sin_b, -sin_a * cos_b, cos_a] }
     }
 
@@ -387,7 +406,8 @@ impl Torus {
     fn ray(&self, dx: f64, dy: f64, k2: f64) -> Ray {
         let [nx, ny, nz] = self.axis;
         // Let alpha be the angle between the ray and the z axis. Then U is (dx, dy, 1) times cos alpha. P0 is
-        // (dx, dy, -tan^2 alpha) times `depth`, its distance from the viewer along the z axis.
+        // (dx, dy, -tan^2 alpha) times `depth`, its distance from the viewer along the z axis. So d0^2 is
+        // depth^2 (tan^2 alpha + tan^4 alpha) = depth^2 tan^2 alpha / cos^2 alpha = K2 depth tan^2 alpha.
         let tan_squared = dx * dx + dy * dy;
         let cos = 1.0 / (1.0 + tan_squared).sqrt();
         let depth = k2 * cos * cos;
@@ -415,50 +435,49 @@ impl Torus {
     /// G(s) = (s^2 + p)^2 + q s + r    p = c - 2 R2^2 (1 - fu^2)
     ///                                 q = 8 R2^2 f0 fu
     ///                                 r = c^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
-    ///                                   = 4 R2^2 (f0^2 - d0^2 fu^2 - (1 - fu^2) (1 - R2^2 fu^2))
     /// ```
     ///
-    /// (The second form of r follows from c^2 - p^2 = (c - p) (c + p).) Because s is measured from P0, there
-    /// is no cubic term, and the coefficients stay small however far away the viewer is.
+    /// Because s is measured from P0, there is no cubic term, and the coefficients stay small however far
+    /// away the viewer is.
     fn quartic(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> [f64; 3] {
         let r2_squared = self.r2 * self.r2;
-        // fu is the cosine of the angle between the ray and the axis. Where the ray looks through a nearly
-        // closed hole, fu is nearly 1 or -1, and p and r are small differences of larger terms. Computing
-        // 1 - fu^2, the square of the sine, first keeps more of their digits. For the same reason, r is
-        // computed in its second form.
-        let sin_squared = 1.0 - fu * fu;
-        let p = d0_squared + r2_squared - 1.0 - 2.0 * r2_squared * sin_squared;
+        let c = d0_squared + r2_squared - 1.0;
+        let p = c - 2.0 * r2_squared * (1.0 - fu * fu);
         let q = 8.0 * r2_squared * f0 * fu;
-        let sin_term = sin_squared * (1.0 - r2_squared * fu * fu);
-        let r = 4.0 * r2_squared * (f0 * f0 - d0_squared * fu * fu - sin_term);
+        let r = c * c - p * p - 4.0 * r2_squared * (d0_squared - f0 * f0);
         [p, q, r]
     }
 
     /// The s where the ray enters the donut's bounding volume: the slice of the bounding sphere between the
-    /// planes f = -1 and f = 1. No hit comes before it. For a ray that misses the volume, any s will do,
-    /// because its search finds nothing.
+    /// planes f = -1 and f = 1. No hit comes before it. For a ray that misses the volume, any s will do: G is
+    /// positive everywhere, so a search finds nothing.
     fn entry(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> f64 {
         let radius = 1.0 + self.r2;
-        let sphere = -(radius * radius - d0_squared).max(0.0).sqrt();
+        let sphere_entry = -(radius * radius - d0_squared).max(0.0).sqrt();
         // The ray enters through the plane f = -1 if fu > 0, and through f = 1 if fu < 0. If fu is 0, this is
         // infinite, or NaN, which `max` ignores.
-        let planes = -(1.0 + f0 * fu.signum()) / fu.abs();
-        sphere.max(planes)
+        let slice_entry = -(1.0 + f0 * fu.signum()) / fu.abs();
+        sphere_entry.max(slice_entry)
     }
 
-    /// The luminance L where the ray hits: the dot product of the normal and l, the vector to the light. With
-    /// n for the axis:
+    /// The luminance L where the ray hits: the dot product of the normal and l, the vector to the light.
+    ///
+    /// Let n be the axis. In the plane of the ring, the point below P is P - f n, at the distance h from the
+    /// centre. The nearest point of the ring lies in the same direction, at the distance R2. It is the centre
+    /// of the tube there, and the normal leads from it to P:
     /// ```text
-    /// normal = (P - f n) (1 - R2 / h) + f n          on the surface, h = (|P|^2 + R2^2 - 1) / (2 R2)
-    /// L      = (P.l - f n.l) (1 - R2 / h) + f n.l
+    /// normal = P - (R2 / h) (P - f n) = (1 - R2 / h) (P - f n) + f n
+    /// L      = (1 - R2 / h) (P.l - f n.l) + f n.l
     /// ```
+    ///
+    /// On the surface, h is (|P|^2 + R2^2 - 1) / (2 R2), as the quartic's second line says.
     fn luminance(&self, ray: &Ray, s: f64) -> f64 {
         let r2_squared = self.r2 * self.r2;
         let f = ray.f0 + ray.fu * s;
         let p_dot_l = ray.l0 + ray.lu * s;
         let n_dot_l = -(self.axis[1] + self.axis[2]);
-        let radial = 1.0 - 2.0 * r2_squared / (ray.d0_squared + s * s + r2_squared - 1.0);
-        (p_dot_l - f * n_dot_l) * radial + f * n_dot_l
+        let r2_over_h = 2.0 * r2_squared / (ray.d0_squared + s * s + r2_squared - 1.0);
+        (1.0 - r2_over_h) * (p_dot_l - f * n_dot_l) + f * n_dot_l
     }
 
     /// The s of each ray's first hit, or `MISS`.
@@ -478,23 +497,26 @@ impl Torus {
     /// left, G can fall to 0 once before -w, at s1. If it does not, it is still positive at -w, and can
     /// fall to 0 once after -w, at s3. If no valley reaches down to 0, the ray misses.
     ///
-    /// If p is not negative, G is convex everywhere. It then has no inflections and a single valley, and w is
-    /// set to 0. Where G falls to 0, that counts as s1 if it is left of 0, and otherwise as s3.
+    /// If p is not negative, G is convex everywhere, with a single valley. With w set to 0, all of this still
+    /// holds, if a hit left of 0 is called s1, and any other s3.
     ///
     /// A ray's search for its hit uses Newton's method, which steps from s to the root of the tangent at s.
     /// Where G is convex, it lies above its tangents, so a step from a positive G never passes a root, unless
-    /// the step leaves the convex part. Where G is concave, the same holds for a step from a negative G.
+    /// the step leaves the convex part. Where G is concave, the same holds for a step from a negative G. So
+    /// there are three cases:
     ///
     /// 1. If the ray enters the bounding volume left of -w, the search starts there, and steps right, towards
     ///    s1. If there is no s1, it comes to a dead end: G rises, or a step would lead to -w or beyond. Then
     ///    it starts again at w. If the ray enters further right, there is no s1, and the search starts at w.
-    /// 2. If G is positive at w, it is positive from -w to w: without an s1, G is not negative at -w, and a
-    ///    concave curve lies above its chords. The search steps right, towards s3. If there is no s3, it
-    ///    stops where G rises: the ray misses.
+    /// 2. From here on, there is no s1, so G is not negative at -w. If G is positive at w, it is positive
+    ///    between as well, because a concave curve lies above its chords. The search steps right, towards
+    ///    s3. If there is no s3, it stops where G rises: the ray misses.
     /// 3. If G is negative at w, s3 is between -w and w. G falls all the way from s3 to w, so its slope at w
     ///    is negative. The search steps left, towards s3.
     ///
-    /// A step in the other direction is never taken, so rounding cannot make a search oscillate for ever.
+    /// Every search ends. Its steps lead in one direction (one that rounding would turn round is not taken),
+    /// and all but the last are longer than `LAST_STEP`. They cannot go on for ever: on the right, beyond the
+    /// last valley, G only rises, where no step leads further right, and on the left, the end is -w.
     fn first_hits<const N: usize>(&self, rays: &[Ray; N]) -> [f64; N] {
         // Each coefficient has an array of its own, so that one instruction loads it for several rays.
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
@@ -504,36 +526,44 @@ impl Torus {
             let entry = self.entry(ray);
             s[i] = if entry < -w[i] { entry } else { w[i] };
         }
+
         // Cases 1 and 2.
-        let mut moving_right = true;
-        while moving_right {
-            moving_right = false;
-            for i in 0..N {
-                let (next, is_moving) = step_right([p[i], q[i], r[i]], w[i], s[i]);
-                s[i] = next;
-                moving_right |= is_moving;
-            }
-        }
-        // Case 3.
-        let mut moving_left = false;
+        s = iterate(s, |i, s| step_right([p[i], q[i], r[i]], w[i], s));
+
+        let mut has_case_3 = false;
         for i in 0..N {
             s[i] = hit_or_miss([p[i], q[i], r[i]], w[i], s[i]);
-            moving_left |= s[i] == w[i]; // Only the searches of case 3 are still there.
+            has_case_3 |= s[i] == w[i]; // Only the searches of case 3 are still there.
         }
-        while moving_left {
-            moving_left = false;
-            for i in 0..N {
-                let (next, is_moving) = step_left([p[i], q[i], r[i]], w[i], s[i]);
-                s[i] = next;
-                moving_left |= is_moving;
-            }
+        // Most of the time, there are none.
+        if has_case_3 {
+            s = iterate(s, |i, s| step_left([p[i], q[i], r[i]], w[i], s));
         }
         s
     }
 }
 
+/// Takes one step of every search, again and again, until none has further to go.
+fn iterate<const N: usize>(mut s: [f64; N], step: impl Fn(usize, f64) -> (f64, bool)) -> [f64; N] {
+    let mut is_any_moving = true;
+    while is_any_moving {
+        is_any_moving = false;
+        for (i, s) in s.iter_mut().enumerate() {
+            let (next, is_moving) = step(i, *s);
+            *s = next;
+            is_any_moving |= is_moving;
+        }
+    }
+    s
+}
+
 // The parts of `first_hits`, for one ray. They have no branches, so that the compiler can vectorise the loops
 // that call them: `&` and `|` evaluate both sides, and each `if` only chooses between two values.
+
+/// A search ends with a step no longer than this, in units of R1. Newton's method converges so fast that
+/// little more than rounding error is left then. Only where a ray grazes the donut may the true hit be
+/// further away. But there the ray runs along the surface, where the luminance hardly changes.
+const LAST_STEP: f64 = 1e-8;
 
 /// Cases 1 and 2: where the search goes from s, and whether it has further to go.
 fn step_right(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
@@ -553,9 +583,9 @@ fn hit_or_miss(quartic: [f64; 3], w: f64, s: f64) -> f64 {
     if (s >= w) & (slope >= 0.0) { MISS } else { s }
 }
 
-/// Case 3: where the search goes from s, and whether it has further to go. A search that has ended stays at
-/// s: one right of w, or at `MISS`, fails `s <= w`, and one left of -w is left of `next`, which is at least
-/// -w.
+/// Case 3: where the search goes from s, and whether it has further to go. The searches that have ended stay
+/// where they are: those right of w and at `MISS` because of `s <= w`, those left of -w because `next` is at
+/// least -w.
 fn step_left(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
     let (next, _) = newton(quartic, s);
     // s3 is right of -w. Only rounding can make a step seem to lead past -w.
@@ -564,8 +594,8 @@ fn step_left(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
     (if goes_left { next } else { s }, goes_left & (s - next > LAST_STEP))
 }
 
-/// Where Newton's method steps from s, and the slope of G at s. Where the slope is 0, the step is infinite or
-/// NaN, and the search ends.
+/// Where Newton's method steps from s, and the slope of G at s. Where the slope is 0, the step leads to
+/// infinity, or is NaN, which is neither greater nor less than s, and the search ends.
 fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
     let u = s * s + p;
     let slope = 4.0 * u * s + q;
