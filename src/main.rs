@@ -670,7 +670,7 @@ struct Options {
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
     /// From 1 to 4096. On a terminal, at most its rows minus 2, or 1 row.
-    /// The top row and the first column stay empty.
+    /// The top row stays empty, and so does the first column.
     #[arg(long, help_heading = "Size", value_name = "ROWS", verbatim_doc_comment)]
     #[arg(value_parser = within(SIZES))]
     height: Option<u16>,
