@@ -22,10 +22,11 @@
 //!          :......... K2 .........:
 //! ```
 //!
-//! donut.c has R1 = 1, R2 = 2 and K2 = 5, so its unit of length is the radius of the tube. The screen is a
-//! grid of cells, one for each character. K1, the distance from the viewer to the screen, only sets the scale
-//! of the picture, and is measured in cells: it is 30 columns, or 15 rows, since a cell is twice as tall as
-//! it is wide. The x axis goes right, the y axis goes *down*, and the z axis goes away from the viewer.
+//! K2 is the distance from the viewer to the centre of the donut. donut.c has R1 = 1, R2 = 2 and K2 = 5, so
+//! its unit of length is the radius of the tube. The screen is a grid of cells, one for each character. K1,
+//! the distance from the viewer to the screen, only sets the scale of the picture, and is measured in cells:
+//! it is 30 columns, or 15 rows, since a cell is twice as tall as it is wide. As the viewer sees it, the x
+//! axis goes right, the y axis goes *down*, and the z axis goes away.
 //!
 //! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps of
 //! 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one sample: a
@@ -145,9 +146,8 @@ impl View {
 
 /// How large the donut can look. However the donut is rotated, it just fits into its bounding sphere, which
 /// has the radius R1 + R2. The sphere looks like a circle. The result is the radius of that circle on a
-/// screen at the distance 1: the tangent of the angle at the viewer between the centre of the sphere and a
-/// ray that touches it. Where a ray touches a sphere, it is perpendicular to the radius, so the viewer, the
-/// centre and that place are the corners of a right triangle.
+/// screen at the distance 1. (A ray that touches the sphere is perpendicular to its radius there. So the
+/// viewer, that point and the centre form a right triangle, whose hypotenuse is K2.)
 fn apparent_radius(r2: f64, k2: f64) -> f64 {
     let radius = 1.0 + r2;
     radius / (k2 * k2 - radius * radius).sqrt()
@@ -217,7 +217,7 @@ impl Renderer {
     /// All arithmetic is in f32 and in donut.c's order of operations, because another order would round to
     /// other characters. donut.c has names of one letter: `sin_phi` is its c, `cos_theta` d, `sin_a` e,
     /// `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `cell` o.
-    #[inline(never)] // Inlined into the program's loop, it would be slower by 8%.
+    #[inline(never)] // On x86-64, it was 8% slower when inlined into `play`.
     fn plot_samples(&mut self, a: f32, b: f32) {
         let View { width, height, r2, k2, cx, cy, k1x, k1y } = self.view;
         let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
@@ -234,7 +234,7 @@ impl Renderer {
         }
 
         // donut.c's loop over phi is three loops here, so that the compiler can vectorise the first two. The
-        // slices tell it that the tables are equally long, which saves the bounds checks.
+        // slices tell it that there are as many sines as cosines, which saves the bounds checks.
         let phi_count = sin_phis.len();
         let (sin_phis, cos_phis) = (&sin_phis[..phi_count], &cos_phis[..phi_count]);
         let mut ooz = vec![0.0; phi_count];
@@ -281,9 +281,8 @@ impl Renderer {
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
 /// gaps: at A = B = 1.5708, donut.c's own picture has a few. In a larger picture, k1x and k1y are n times
 /// donut.c's, and each step is divided by n, so that the samples stay about a cell apart. If the cells have
-/// another shape, k1x and k1y are not the same multiple of donut.c's, and n is the larger of the two. (Very
-/// narrow or wide cells still leave a few gaps. Through them, the far wall of an upright edge-on donut shows
-/// in 30 cells at 300x300 and an aspect of 4, and in 6 at an aspect of 0.25.)
+/// another shape, k1x and k1y are not the same multiple of donut.c's, and n is the larger of the two. (Cells
+/// four times as tall as wide, or as wide as tall, still leave a few gaps.)
 fn angle_steps(view: &View) -> [f64; 2] {
     let scale = f64::min(View::DONUT_C.k1x / view.k1x, View::DONUT_C.k1y / view.k1y).min(1.0);
     [0.07 * scale, 0.02 * scale]
@@ -320,7 +319,7 @@ fn truncate(value: f32) -> u32 {
     rounded.to_bits() - TWO_TO_23.to_bits() - u32::from(was_rounded_up)
 }
 
-// ---- exact: a ray for each cell --------------------------------------------------------------------
+// ---- exact: a ray for each cell ------------------------------------------------------------------
 
 /// How many rays are followed side by side. The compiler vectorises the loops over them, and while one ray
 /// waits for a division, others go on.
@@ -373,7 +372,7 @@ struct Torus {
     axis: [f64; 3],
 }
 
-/// A ray as one torus sees it: not where it is, but how near its points are to the torus.
+/// A ray, reduced to the five numbers that decide where it hits a torus, and how bright it is there.
 ///
 /// A point of the ray is P = P0 + s U. U is the direction of the ray, of length 1. P0 is the point of the ray
 /// that is nearest to the donut's centre, the origin, so P0 and U are perpendicular. The number s says where
@@ -494,11 +493,11 @@ impl Torus {
     ///
     /// The inflections of G are at -w and w, where its second derivative, 12 s^2 + 4 p, is 0. (They need
     /// not be at s2 and s3.) Between them G is concave, and on either side it is convex. Coming from the
-    /// left, G can fall to 0 once before -w, at s1. If it does not, it is still positive at -w, and can
-    /// fall to 0 once after -w, at s3. If no valley reaches down to 0, the ray misses.
+    /// left, G can fall to 0 once before -w, at s1. If it does not, it is not negative at -w, and can fall to
+    /// 0 once from there on, at s3. If no valley reaches down to 0, the ray misses.
     ///
-    /// If p is not negative, G is convex everywhere, with a single valley. With w set to 0, all of this still
-    /// holds, if a hit left of 0 is called s1, and any other s3.
+    /// If p is not negative, G is convex everywhere, with a single valley. Then w is set to 0, and the same
+    /// search works: a hit left of 0 counts as s1, and any other as s3.
     ///
     /// A ray's search for its hit uses Newton's method, which steps from s to the root of the tangent at s.
     /// Where G is convex, it lies above its tangents, so a step from a positive G never passes a root, unless
@@ -511,12 +510,12 @@ impl Torus {
     /// 2. From here on, there is no s1, so G is not negative at -w. If G is positive at w, it is positive
     ///    between as well, because a concave curve lies above its chords. The search steps right, towards
     ///    s3. If there is no s3, it stops where G rises: the ray misses.
-    /// 3. If G is negative at w, s3 is between -w and w. G falls all the way from s3 to w, so its slope at w
-    ///    is negative. The search steps left, towards s3.
+    /// 3. If G is 0 or negative at w, s3 is at w, or between -w and w. G falls all the way from s3 to w, so
+    ///    its slope at w is negative. The search steps left, towards s3.
     ///
-    /// Every search ends. Its steps lead in one direction (one that rounding would turn round is not taken),
-    /// and all but the last are longer than `LAST_STEP`. They cannot go on for ever: on the right, beyond the
-    /// last valley, G only rises, where no step leads further right, and on the left, the end is -w.
+    /// Every search ends. It goes in one direction, because a step that rounding has reversed is not taken,
+    /// and it goes on only while its steps are longer than `LAST_STEP`. Its way is limited: on the left by
+    /// -w, and on the right by where G is positive and rises for good, because a step from there leads back.
     fn first_hits<const N: usize>(&self, rays: &[Ray; N]) -> [f64; N] {
         // Each coefficient has an array of its own, so that one instruction loads it for several rays.
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
@@ -576,16 +575,15 @@ fn step_right(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
 /// What the steps to the right have led to: `MISS`, or else s, which is s1, s3, or w.
 ///
 /// Left of -w, the search is at s1. Otherwise, the slope decides. Where G rises, the ray misses. Where it
-/// falls, a search right of w is at s3. If a search is still at w, G is negative there, because from a
+/// falls, a search right of w is at s3. If a search is still at w, G is not positive there, because from a
 /// positive G a step would have led to the right: that is case 3.
 fn hit_or_miss(quartic: [f64; 3], w: f64, s: f64) -> f64 {
     let (_, slope) = newton(quartic, s);
     if (s >= w) & (slope >= 0.0) { MISS } else { s }
 }
 
-/// Case 3: where the search goes from s, and whether it has further to go. The searches that have ended stay
-/// where they are: those right of w and at `MISS` because of `s <= w`, those left of -w because `next` is at
-/// least -w.
+/// Case 3: where the search goes from s, and whether it has further to go. A search that has ended stays
+/// where it is: right of w and at `MISS`, `s <= w` is false, and left of -w, `next` is not less than s.
 fn step_left(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
     let (next, _) = newton(quartic, s);
     // s3 is right of -w. Only rounding can make a step seem to lead past -w.
@@ -594,8 +592,8 @@ fn step_left(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
     (if goes_left { next } else { s }, goes_left & (s - next > LAST_STEP))
 }
 
-/// Where Newton's method steps from s, and the slope of G at s. Where the slope is 0, the step leads to
-/// infinity, or is NaN, which is neither greater nor less than s, and the search ends.
+/// Where Newton's method steps from s, and the slope of G at s. Where the slope is 0, the step is infinite or
+/// NaN: left of -w, this is a dead end, and anywhere else, it ends the search.
 fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
     let u = s * s + p;
     let slope = 4.0 * u * s + q;
@@ -749,7 +747,7 @@ fn parse_color(text: &str) -> Result<Color, String> {
 }
 
 impl Options {
-    /// What is wrong with options that are allowed one by one, but not together.
+    /// What is wrong with the values of --k2 and --method, which depend on other options.
     fn conflict(&self) -> Option<String> {
         let &Options { method, r2, k2, .. } = self;
         // Rounded up to six decimals, so that a user can type what the message shows.
@@ -758,7 +756,7 @@ impl Options {
             let rule = format!("{LEAST_DISTANCE} times the sum of 1 and --r2");
             Some(format!("--k2 is {k2}, but must be from {least} ({rule}) to 1000000"))
         } else if method == Some(Method::Classic) && (r2, k2) != (2.0, 5.0) {
-            // From nearer, or with another ring, the steps of `classic` could be too long: see `angle_steps`.
+            // The steps of `classic` suit donut.c's ring, seen from its distance: see `angle_steps`.
             Some(format!("--method classic needs --r2 2 and --k2 5, but these are {r2} and {k2}"))
         } else {
             None
@@ -821,34 +819,35 @@ fn run(options: &Options) -> io::Result<()> {
     let console = Console::open(options)?;
     let played = play(options, console);
     let restored = console.leave();
-    // A signal counts more than an error, which it may have caused: when a terminal goes, so do its programs.
+    // When a terminal closes, it causes both a signal, SIGHUP, and errors. The signal counts.
     console.end_if_signalled();
     played.and(restored)
 }
 
-/// donut.c's `for (;;)`. Each iteration draws the next frame if it is due. On a terminal, it first takes care
-/// of signals, keys and a new size. That happens every TICK or more often, unless drawing or writing a frame
-/// takes longer. So while the donut is paused, or at a low frame rate, there are iterations in which no frame
-/// is due.
-fn play(options: &Options, console: &'static Console) -> io::Result<()> {
-    let &Options { fps, frames, spin, a, b, .. } = options;
-    // A Duration cannot hold 1 / fps seconds if fps is tiny. 1e9 seconds, nearly 32 years, will do.
-    let interval = Duration::from_secs_f64(if fps == 0.0 { 0.0 } else { (1.0 / fps).min(1e9) });
+/// donut.c's `for (;;)`. On a terminal, each iteration first takes care of signals, keys and a new size. Then
+/// it draws the next frame if that is due, or draws the same frame again if a key or a new size asks for it.
+/// As it sleeps for a TICK at most, most iterations draw nothing while the donut is paused, or at a low frame
+/// rate.
+fn play(options: &Options, console: &Console) -> io::Result<()> {
+    // The time from one frame to the next: none if fps is 0. A Duration cannot hold 1 / fps seconds if fps is
+    // tiny. 1e9 seconds, nearly 32 years, will do.
+    let seconds = if options.fps == 0.0 { 0.0 } else { (1.0 / options.fps).min(1e9) };
+    let interval = Duration::from_secs_f64(seconds);
+    let mut due = Instant::now();
+    let mut frame_count = 0;
+    let mut angles = [options.a, options.b];
     let mut terminal_size = console.size()?;
     let mut renderer = options.renderer(terminal_size);
-    let mut angles = [a, b];
-    let mut frame_count = 0;
-    let mut due = Instant::now();
     let mut key_reader = KeyReader { code: Code::Nothing, last_read: Instant::now() };
     let mut is_paused = false;
     let mut is_shaded = true;
 
-    'main_loop: while frames.is_none_or(|frames| frame_count < frames) {
+    'main_loop: while options.frames.is_none_or(|frames| frame_count < frames) {
         let until_due = due.saturating_duration_since(Instant::now());
         thread::sleep(if is_paused { TICK } else { until_due.min(TICK) });
 
         // While the program was stopped, another one may have changed the screen and the settings. So leave
-        // the terminal, and let `enter` set everything up anew.
+        // the terminal, and let `enter` below set everything up anew.
         if console.was_continued.swap(false, SeqCst) {
             console.leave()?;
         }
@@ -874,7 +873,7 @@ fn play(options: &Options, console: &'static Console) -> io::Result<()> {
                 CTRL_Z => {
                     console.leave()?;
                     system::suspend_job();
-                    continue 'main_loop; // Later keys are dropped.
+                    continue 'main_loop; // The keys after Ctrl-Z are dropped.
                 }
                 _ => {}
             }
@@ -884,11 +883,11 @@ fn play(options: &Options, console: &'static Console) -> io::Result<()> {
         if is_due {
             // The first frame shows the starting angles.
             if frame_count > 0 {
-                angles = next_angles(renderer.method, angles, spin);
+                angles = next_angles(renderer.method, angles, options.spin);
             }
             frame_count += 1;
             // Each frame is due one interval after the one before was due, so that delays do not add up. But
-            // after a stall, the missed frames do not come in a burst.
+            // after a stall, the next is due now, so that the missed frames do not come in a burst.
             due = (due + interval).max(Instant::now());
         }
         let clear = just_entered || is_resized;
@@ -904,8 +903,8 @@ fn play(options: &Options, console: &'static Console) -> io::Result<()> {
 }
 
 /// The angles A and B of the next frame. donut.c keeps its angles in variables of type `float`, so each of
-/// its sums is rounded, and the errors add up. After nine days at 30 frames a second, the sums no longer
-/// change, and the donut stands still. `Classic` has to make the very same errors.
+/// its sums is rounded, and the errors add up. After nine days of its spin at 30 frames a second, the sums no
+/// longer change, and the donut stands still. `Classic` has to make the very same errors.
 fn next_angles(method: Method, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| match method {
         Method::Classic => add_step(angles[i] as f32, spin[i]).into(),
@@ -926,8 +925,8 @@ struct Console {
     /// The terminal's settings when the program first entered it. They are saved only once: after a stop,
     /// some shells leave this program's own settings in place.
     settings: OnceLock<system::Settings>,
-    /// Whether the program has entered the terminal and not left it since. Only the holder of the lock, and
-    /// only while this is true, may discard output.
+    /// Whether the program has entered the terminal and not left it since. The lock also keeps discarding
+    /// output apart from leaving and ending: see `enforce_end`.
     is_entered: Mutex<bool>,
     /// How often output has been discarded.
     discard_count: AtomicUsize,
@@ -997,16 +996,16 @@ impl Console {
         // A signal may have cut a frame short, in the middle of a row.
         queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
         if self.has_alternate_screen {
-            // Without the clear, tmux would copy rows of the alternate screen into the shell's screen after a
-            // change of size. The clear must not hit the shell's screen, to which another program may have
-            // switched during a stop. So code 1047 first switches back to the alternate screen. (Code 1049,
+            // The alternate screen is cleared, or else tmux would copy some of it into the shell's screen
+            // after a change of size. While this program was stopped, another one may have switched to the
+            // shell's screen, which the clear must not hit, so code 1047 first switches back. (Code 1049,
             // which `enter` uses, would also save the cursor again, and some terminals save only one.)
             queue!(bytes, Print("\x1b[?1047h"), Clear(ClearType::All), LeaveAlternateScreen)?;
         }
         loop {
             let discard_count = self.discard_count.load(SeqCst);
-            let written = self.write(&bytes);
-            // `enforce_end` may have discarded the bytes. If so, write them again.
+            let written = self.write(&bytes); // Not under the lock: `enforce_end` may have to make room.
+            // And it may have discarded these bytes. If so, write them again.
             let mut is_entered = self.is_entered.lock().unwrap();
             if self.discard_count.load(SeqCst) == discard_count || written.is_err() {
                 *is_entered = false;
@@ -1051,12 +1050,12 @@ impl Console {
     /// again and again, by discarding the output that the terminal has not taken yet. Two things must never
     /// happen:
     ///
-    /// - The program ends in the middle of a discard, which would leave the terminal's output stopped. So a
-    ///   thread needs the lock of `is_entered` to discard, and to end the program.
+    /// - The program ends in the middle of a discard, which stops the terminal's output and restarts it. So
+    ///   a thread needs the lock of `is_entered` to discard, and to end the program.
     /// - What restores the terminal is discarded. So `leave` writes it again if there was a discard
     ///   meanwhile, and there is none after it.
-    fn enforce_end(&self, signal: usize) {
-        self.end_signal.store(signal, SeqCst);
+    fn enforce_end(&self, signal: i32) {
+        self.end_signal.store(signal as usize, SeqCst);
         thread::sleep(Duration::from_millis(100));
         for _ in 0..1000 {
             let is_entered = self.is_entered.lock().unwrap();
@@ -1067,6 +1066,7 @@ impl Console {
             drop(is_entered);
             thread::sleep(Duration::from_millis(1));
         }
+        system::restore_settings(&self.file, &self.settings); // For this, no room is needed.
         self.end_if_signalled();
     }
 
@@ -1131,7 +1131,8 @@ impl Console {
 /// An arrow key, for example, sends an escape code: an ESC and more bytes. The terminal's answer to a
 /// question of an earlier program is such a code as well, and may arrive late and in pieces. So each code is
 /// followed to its end, by the grammar of ECMA-48. A code that does not go on for a TICK is dropped; but if
-/// it is only an ESC, that is the Esc key.
+/// it is only an ESC, that is the Esc key. (Only a read that finds nothing shows that a code does not go on:
+/// otherwise, the loop may just have been late.)
 struct KeyReader {
     code: Code,
     last_read: Instant,
@@ -1142,9 +1143,10 @@ struct KeyReader {
 enum Code {
     Nothing,
     Escape,
-    /// CSI or SS3, as arrow keys send them. These end with a byte from @ to ~.
+    /// A control sequence, as arrow keys send it: ESC and [ or O. It ends with a byte from @ to ~.
     Sequence,
-    /// DCS, SOS, OSC, PM or APC. These end with BEL (7), or with another code, ESC and a backslash.
+    /// A text, as a terminal answers with it: ESC and one of P X ] ^ _. It ends with BEL (7), or with another
+    /// code, ESC and a backslash.
     Text,
 }
 
@@ -1154,10 +1156,9 @@ impl KeyReader {
         let mut keys = Vec::new();
         if !bytes.is_empty() {
             self.last_read = Instant::now();
-        } else if self.last_read.elapsed() >= TICK
-            && mem::replace(&mut self.code, Code::Nothing) == Code::Escape
-        {
-            keys.push(ESCAPE);
+        } else if self.last_read.elapsed() >= TICK {
+            keys.extend((self.code == Code::Escape).then_some(ESCAPE));
+            self.code = Code::Nothing;
         }
         for &byte in bytes {
             if self.code == Code::Nothing && byte != ESCAPE {
@@ -1195,9 +1196,9 @@ mod system {
 
     /// The file for the output, and whether it is a terminal.
     ///
-    /// A terminal is opened once more, for keys and output. Whether reads and writes wait is a mode of
-    /// the open file, so this one keeps it apart from the programs that share standard output. A terminal
-    /// that cannot be opened is treated as a pipe.
+    /// A terminal is opened once more, for keys and output. For a moment, `read` makes the new file
+    /// nonblocking, which the programs that share standard output do not notice. A terminal that cannot be
+    /// opened is treated as a pipe.
     pub fn open_output() -> io::Result<(File, bool)> {
         let stdout = io::stdout();
         if stdout.is_terminal() {
@@ -1218,13 +1219,14 @@ mod system {
     pub fn catch_signals(console: &'static Console) -> io::Result<()> {
         flag::register(SIGCONT, console.was_continued.clone())?;
         let signals = [SIGTERM, SIGHUP, SIGQUIT];
+        // A handler sets the number at once, before the loop can meet an error that comes with the signal,
         for signal in signals {
             flag::register_usize(signal, console.end_signal.clone(), signal as usize)?;
         }
+        // and a thread makes sure that the program ends.
         let mut signals = Signals::new(signals)?;
-        let thread =
-            move || signals.forever().for_each(|signal| console.enforce_end(signal as usize));
-        thread::Builder::new().spawn(thread).map(drop)
+        let enforce = move || signals.forever().for_each(|signal| console.enforce_end(signal));
+        thread::Builder::new().spawn(enforce).map(drop)
     }
 
     /// Ends the program by this signal.
@@ -1257,7 +1259,7 @@ mod system {
         Ok(termios::tcgetwinsize(terminal).map(|size| (size.ws_col, size.ws_row))?)
     }
 
-    /// Sets cbreak mode, and the rest that the program needs. At the first time, saves the settings before.
+    /// Sets cbreak mode, and the rest that the program needs. The first call saves what it finds.
     ///
     /// If the terminal is gone, this fails, and `size` reports it.
     pub fn set_cbreak_mode(terminal: &File, saved: &OnceLock<Settings>) {
@@ -1265,9 +1267,9 @@ mod system {
         let mut changed = saved.get_or_init(|| settings).clone();
         // A key is sent at once, not with the rest of its line, and is not echoed.
         changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO;
-        // Ctrl-S does not stop the output,
+        // Ctrl-S is a key like any other, and does not stop the output.
         changed.input_modes -= InputModes::IXON;
-        // and on macOS, Ctrl-Y does not suspend, nor do Ctrl-V and Ctrl-O affect the next key or the output.
+        // So are Ctrl-V, Ctrl-O and Ctrl-Y, which have a meaning on macOS: Ctrl-Y suspends there.
         changed.local_modes -= LocalModes::IEXTEN;
         // Ctrl-C and Ctrl-\ send signals, which work even while the loop waits to write.
         changed.local_modes |= LocalModes::ISIG;
@@ -1316,7 +1318,8 @@ mod system {
     }
 }
 
-/// Windows has neither jobs nor most of the signals, and each key arrives as one event, not as bytes.
+/// Windows has neither jobs nor most of the signals. Each key arrives as an event, and `read` returns the
+/// byte that a terminal would send for it.
 #[cfg(windows)]
 mod system {
     use super::*;

@@ -7,10 +7,8 @@
 
 mod pty;
 
-use std::io::Write;
 use std::process::Command;
-use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
-use std::thread::{scope, sleep};
+use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use pty::Pty;
@@ -266,33 +264,6 @@ fn with_frames_the_last_picture_stays_in_place() {
     assert_eq!(pty.screen(vt100::Screen::cursor_position), (23, 0));
 }
 
-#[test]
-fn some_commands_write_nothing_to_the_terminal() {
-    for (line, code) in [
-        ("exec DONUT --frames=0", 0),
-        // A device gets the picture.
-        ("DONUT --frames=2 --fps=0 > /dev/null", 0),
-        ("DONUT --frames=2 --fps=0 > /dev/zero", 0),
-        ("DONUT --frames=2 --fps=0 > /dev/urandom", 0),
-        // timeout makes the donut a job of its own. Where there is no job control, nothing puts this job
-        // into the foreground.
-        #[cfg(target_os = "linux")]
-        ("timeout 0.5 DONUT", 124),
-    ] {
-        let pty = run_in_sh(&format!("{line}; exit $?"));
-        pty.assert_ends(code);
-        assert_eq!(pty.written(), "", "{line}");
-    }
-}
-
-#[test]
-fn a_dumb_terminal_gets_an_error() {
-    let pty = run_in_sh("TERM=dumb; exec DONUT");
-    pty.assert_ends(1);
-    assert!(pty.lines()[0].starts_with("donut: TERM is dumb"), "{:?}", pty.lines());
-    assert!(!pty.written().contains('\x1b'));
-}
-
 // ---- Keys ----------------------------------------------------------------------------------------
 
 #[test]
@@ -343,87 +314,6 @@ fn other_keys_do_nothing_and_are_not_echoed() {
     wait_for_more_frames(&pty, 10);
     assert_eq!(pty.lines(), picture(SIZE));
     assert_quits(&pty);
-}
-
-/// Types a code in pieces. Returns false if the pieces came so far apart, because the machine is busy,
-/// that the donut need not take them for one code.
-fn type_in_pieces(pty: &Pty, pieces: &[&str]) -> bool {
-    let start = Instant::now();
-    for piece in pieces {
-        pty.type_bytes(piece.as_bytes());
-        sleep(Duration::from_millis(2));
-    }
-    start.elapsed() < Duration::from_millis(40)
-}
-
-#[test]
-fn an_escape_code_does_nothing_whole_or_in_pieces() {
-    // An arrow key, a key of the keypad, Alt and a letter, and a terminal's answer to a question.
-    for code in ["\x1b[A", "\x1bOq", "\x1bq", "\x1bP>|a terminal q p\x1b\\"] {
-        let (one, two) = (code.split_at(1), code.split_at(2));
-        for pieces in [&[code][..], &[one.0, one.1], &[two.0, two.1], &[one.0, &code[1..2], two.1]]
-        {
-            // This donut reads its keys so often that it finds each piece alone.
-            let run = || run_donut(&[&STILL[..], &["--fps=500"]].concat(), SIZE);
-            let mut pty = run();
-            wait_for_picture(&pty, SIZE);
-            while !type_in_pieces(&pty, pieces) {
-                pty = run();
-                wait_for_picture(&pty, SIZE);
-            }
-            // Once the new size is there, the code has been read to its end.
-            pty.resize((60, 20));
-            wait_for_picture(&pty, (60, 20));
-            wait_for_more_frames(&pty, 2);
-            assert_quits(&pty);
-        }
-    }
-}
-
-#[test]
-fn escape_quits_when_held_down_or_pressed_again() {
-    for keys in [&b"\x1b\x1b"[..], b"\x1b\x1b\x1b\x1b", b"x\x1b"] {
-        let pty = run_still(SIZE);
-        pty.type_bytes(keys);
-        pty.assert_ends(0);
-    }
-    let pty = run_still(SIZE);
-    // A key that is held down repeats about thirty times a second.
-    for _ in 0..10 {
-        pty.type_bytes(b"\x1b");
-        sleep(Duration::from_millis(33));
-    }
-    pty.assert_ends(0);
-}
-
-#[test]
-fn keys_are_obeyed_whatever_standard_input_is_and_the_settings_are() {
-    for (line, key, code) in [
-        ("STILL < /dev/null", b"q", 0),
-        ("yes | STILL", b"q", 0),
-        ("yes | head -1 | while read line; do STILL; done", b"q", 0),
-        ("echo --fps=20 | xargs STILL", b"q", 0),
-        // Here Ctrl-C sends no signal, and a newline does not start a new line.
-        ("stty -isig; exec STILL", b"\x03", 130),
-        ("stty -opost -onlcr; STILL; stty -a | grep -qe '-opost .* -onlcr'", b"q", 0),
-    ] {
-        let pty = run_in_sh(line);
-        wait_for_picture(&pty, SIZE);
-        let before = pty.settings();
-        pty.type_bytes(b"abc\r\n");
-        pty.resize((60, 20));
-        wait_for_picture(&pty, (60, 20));
-        // Without a shell that could resume it, Ctrl-Z makes donut leave the terminal and enter it again.
-        pty.type_bytes(b"\x1a");
-        pty.wait_for("entering again", |pty| enter_count(pty) == 2 && pty.settings() == before);
-        wait_for_more_frames(&pty, 2);
-        pty.type_bytes(key);
-        assert_eq!(pty.wait_for_exit(), code, "{line}");
-        pty.wait_for_output();
-        if !line.contains("stty") {
-            pty.assert_restored();
-        }
-    }
 }
 
 /// Only one of the two programs gets each key: the other program while it is waiting for one, otherwise the
@@ -511,21 +401,6 @@ fn a_terminal_that_cannot_be_opened_is_treated_as_a_pipe() {
 }
 
 #[test]
-fn the_shells_cursor_comes_back_where_only_one_can_be_saved() {
-    let pty = run_in_sh("printf 'one\\ntwo\\n'; exec STILL");
-    wait_for_picture(&pty, SIZE);
-    // Without a shell that could resume it, Ctrl-Z makes donut leave the terminal and enter it again.
-    pty.type_bytes(b"\x1a");
-    pty.wait_for("entering again", |pty| enter_count(pty) == 2);
-    pty.signal(Signal::STOP);
-    pty.signal(Signal::CONT);
-    pty.wait_for("entering once more", |pty| enter_count(pty) == 3);
-    assert_quits(&pty);
-    assert_eq!(pty.lines()[..3], ["one", "two", ""]);
-    assert_eq!(pty.screen(vt100::Screen::cursor_position), (2, 0));
-}
-
-#[test]
 fn in_tmux_a_new_size_leaves_no_rows_in_the_shells_screen() {
     if !is_installed("tmux") {
         return;
@@ -557,16 +432,6 @@ fn in_tmux_a_new_size_leaves_no_rows_in_the_shells_screen() {
 }
 
 // ---- Signals -------------------------------------------------------------------------------------
-
-#[test]
-fn a_signal_ends_donut_after_restoring_the_terminal() {
-    for (signal, code) in SIGNALS {
-        let pty = run_donut(&[ONE_FRAME], SIZE);
-        wait_for_first_frame(&pty);
-        pty.signal(signal);
-        pty.assert_ends(code);
-    }
-}
 
 #[test]
 fn a_signal_ends_donut_however_early_it_comes() {
@@ -654,34 +519,24 @@ fn a_signal_restores_a_terminal_that_is_stuck_after_a_ctrl_z() {
 }
 
 /// Linux lets one program at a time write to a terminal. Here another program is inside its write, and waits
-/// for room on a full terminal, when the signal comes. It goes on to write until donut has ended. The
-/// terminal is read slowly, or not at all.
+/// for room on a full terminal, when the signal comes. The terminal is read slowly, or not at all.
 #[test]
 fn a_signal_restores_while_another_program_writes() {
-    let is_over = AtomicBool::new(false);
     let cases = [1, 100, 4096, 65_536].into_iter().flat_map(|size| SIGNALS.map(|end| (size, end)));
     for (n, (size, (signal, code))) in cases.enumerate() {
         let pty = stuck_donut(&[], SIZE);
-        let mut terminal = pty.open();
-        is_over.store(false, SeqCst);
-        scope(|scope| {
-            scope.spawn(|| {
-                while !is_over.load(SeqCst) {
-                    terminal.write_all(&vec![0; size]).unwrap();
-                }
-            });
-            sleep(Duration::from_millis(20));
-            let is_read = n % 2 == 0;
-            if is_read {
-                pty.start_reading(1000, Duration::from_millis(10));
-            }
-            pty.signal(signal);
-            assert_eq!(pty.wait_for_exit(), code);
-            is_over.store(true, SeqCst);
-            if !is_read {
-                pty.start_reading(1 << 16, Duration::ZERO);
-            }
-        });
+        let stop_writing = pty.start_writing(size);
+        sleep(Duration::from_millis(20));
+        let is_read = n % 2 == 0;
+        if is_read {
+            pty.start_reading(1000, Duration::from_millis(10));
+        }
+        pty.signal(signal);
+        assert_eq!(pty.wait_for_exit(), code);
+        if !is_read {
+            pty.start_reading(1 << 16, Duration::ZERO);
+        }
+        stop_writing();
         pty.assert_ends(code);
         assert!(pty.written().contains(LEAVE), "{signal:?}, {size} bytes");
     }
@@ -735,36 +590,18 @@ fn keys_and_signals_are_obeyed_on_a_slow_terminal() {
     }
 }
 
-/// Linux lets one program at a time write to a terminal. A frame waits for its turn, and keys are read.
 #[test]
-fn frames_come_and_q_quits_beside_a_program_that_always_writes() {
+fn frames_come_and_q_quits_beside_another_writer() {
     for size in [1, 4096, 65_536] {
         let pty = run_donut(&[], SIZE);
         wait_for_first_frame(&pty);
-        let (mut terminal, is_over) = (pty.open(), AtomicBool::new(false));
-        scope(|scope| {
-            scope.spawn(|| {
-                while !is_over.load(SeqCst) {
-                    terminal.write_all(&vec![0; size]).unwrap();
-                }
-            });
-            wait_for_more_frames(&pty, 10);
-            pty.type_bytes(b"q");
-            let code = pty.wait_for_exit();
-            is_over.store(true, SeqCst);
-            assert_eq!(code, 0);
-        });
+        let stop_writing = pty.start_writing(size);
+        wait_for_more_frames(&pty, 10);
+        pty.type_bytes(b"q");
+        assert_eq!(pty.wait_for_exit(), 0);
+        stop_writing();
         pty.assert_ends(0);
     }
-}
-
-#[test]
-fn where_no_thread_can_be_started_there_is_an_error_and_no_picture() {
-    // No memory has room for such a stack.
-    let pty = run_in_sh("RUST_MIN_STACK=200000000000000 exec DONUT");
-    pty.assert_ends(1);
-    assert!(pty.lines()[0].starts_with("donut: "), "{:?}", pty.lines());
-    assert!(!pty.written().contains('\x1b'));
 }
 
 // ---- Job control ---------------------------------------------------------------------------------
@@ -779,7 +616,7 @@ fn assert_code(pty: &Pty, code: &str) {
     pty.wait_for(&said, |pty| pty.lines().iter().any(|line| line.ends_with(&said)));
 }
 
-/// A step of a scenario: something that is typed, a signal to the job, or something to wait for.
+/// A step of a scenario: something that is typed, a signal, or something to wait for.
 #[track_caller]
 fn step(pty: &Pty, step: &str) {
     match step {
@@ -788,6 +625,12 @@ fn step(pty: &Pty, step: &str) {
             wait_for_picture(pty, SIZE);
             assert!(!is_shells_screen(pty) && !pty.is_stopped());
         }
+        "resize" => {
+            pty.resize((60, 20));
+            wait_for_picture(pty, (60, 20));
+        }
+        "entered-again" => pty
+            .wait_for("entering again", |pty| enter_count(pty) == 2 && pty.has_changed_settings()),
         "stopped" => pty.wait_for("the stop", Pty::is_stopped),
         // bash also reports stops and ends that it did not wait for, when another job ends.
         "report" => pty.wait_for("the shell", |pty| {
@@ -804,8 +647,12 @@ fn step(pty: &Pty, step: &str) {
         }
         "settings" => pty.assert_settings_restored(),
         "STOP" => pty.signal_job(Signal::STOP),
+        "CONT" => pty.signal_job(Signal::CONT),
         "TSTP" => pty.signal_job(Signal::TSTP),
         "TERM" => pty.signal_job(Signal::TERM),
+        "HUP" => pty.signal_job(Signal::HUP),
+        "INT" => pty.signal_job(Signal::INT),
+        "QUIT" => pty.signal_job(Signal::QUIT),
         // This is how timeout learns that the time is over.
         "ALRM" => pty.signal_job(Signal::ALARM),
         "fg" | "bg" => type_line(pty, step),
@@ -815,78 +662,153 @@ fn step(pty: &Pty, step: &str) {
             pty.wait_for("the shell", |pty| pty.lines().contains(&"42".to_string()));
         }
         "end" => pty.wait_for("its end", |pty| pty.job().is_none()),
-        _ => match step.strip_prefix("code=") {
-            Some(code) => assert_code(pty, code),
-            None => pty.type_bytes(step.replace('^', "\x1a").as_bytes()),
+        // The shell still reads lines: it has not gone on to the next command of the last one.
+        "alive" => {
+            type_line(pty, "exit 5");
+            assert_eq!(pty.wait_for_exit(), 5);
+        }
+        "unwritten" => assert_eq!(pty.written(), ""),
+        "message" => {
+            assert!(pty.lines()[0].starts_with("donut: "), "{:?}", pty.lines());
+            assert!(!pty.written().contains('\x1b'));
+        }
+        "cursor" => {
+            assert_eq!(pty.lines()[..3], ["one", "two", ""]);
+            assert_eq!(pty.screen(vt100::Screen::cursor_position), (2, 0));
+        }
+        _ => match step.split_once('=') {
+            Some(("code", code)) => assert_code(pty, code),
+            Some(("exit", code)) => pty.assert_ends(code.parse().unwrap()),
+            Some(("ends", code)) => assert_eq!(pty.wait_for_exit(), code.parse().unwrap()),
+            _ => {
+                let keys = [("^Z", "\x1a"), ("^C", "\x03"), ("^\\", "\x1c"), ("Esc", "\x1b")];
+                let text =
+                    keys.iter().fold(step.to_string(), |text, (name, key)| text.replace(name, key));
+                pty.type_bytes(text.as_bytes());
+            }
         },
     }
 }
 
-/// In each line are shells, a command, and steps. A `^` in what is typed is Ctrl-Z.
-const SCENARIOS: &str = "
-    sh bash | STILL | picture ^ stopped shell fg picture ^ stopped shell fg picture q code=0
-
-    # If the donut were still on the alternate screen when the shell writes its prompt, the prompt would vanish
-    # with that screen.
-    bash | sh -c 'STILL; exit 5' | picture ^ stopped shell report prompt fg picture q code=5
-    bash | (STILL; exit 5)       | picture ^ stopped shell report prompt fg picture q code=5
-
-    # bash changes the settings for its prompt, so only dash shows whether they are restored. Where a stopped
-    # job has changed them, dash leaves them as they are, so the donut has to remember the ones from before.
-    dash | sh -c 'STILL; exit 5' | picture ^ stopped shell settings fg picture q code=5 settings
-    dash | STILL                 | picture STOP stopped fg picture q code=0 settings
-    bash | STILL                 | picture STOP stopped report fg picture q code=0
-    bash | STILL                 | picture TSTP stopped report bg shell fg picture q code=0
-
-    # Ctrl-Z stops the donut once, whatever is typed with it.
-    bash | STILL | picture ^^ stopped shell fg frames picture
-    bash | STILL | picture ^q stopped shell fg frames picture
-    bash | STILL | picture pp^pp stopped shell fg frames picture
-
-    # In the background, the donut leaves the shell's screen alone, even when it is killed.
-    bash | STILL & | nothing fg picture q code=0
-    bash | STILL & | nothing kill end report shell
-    bash | STILL   | picture ^ stopped kill end report shell
-    bash | STILL   | picture ^ stopped shell bg nothing kill end report shell
-    bash | STILL   | picture STOP stopped report kill end shell
-    bash | STILL   | picture STOP stopped report bg shell nothing kill end shell
-
-    # Without job control, a script runs the donut in the script's own job, and may end before it.
-    bash | sh -c 'STILL & exec sleep 100' | picture TERM shell prompt nothing
-
-    bash | timeout 100 STILL | picture ALRM code=124";
-
-#[test]
-fn jobs_give_the_terminal_back_and_take_it_again() {
-    for scenario in SCENARIOS.lines().map(str::trim) {
+/// In each line are shells, a command, and steps. In place of the shells, a `-` stands for a shell without job
+/// control, which runs only this command. There, Ctrl-Z makes donut leave the terminal and enter it again.
+#[track_caller]
+fn run_scenarios(scenarios: &str) {
+    let unshare = "unshare --user --map-root-user --pid --fork";
+    for scenario in scenarios.lines().map(str::trim) {
         let Some((shells, rest)) = scenario.split_once(" | ") else { continue };
-        let (line, steps) = rest.split_once(" | ").unwrap();
-        if line.starts_with("timeout") && !cfg!(target_os = "linux") {
+        let (line, steps) = rest.rsplit_once(" | ").unwrap();
+        let line = line.trim().replace("UNSHARE", unshare);
+        let is_for_linux = line.contains("timeout") || line.contains("unshare");
+        let is_unshared = line.contains("unshare");
+        if is_for_linux && !cfg!(target_os = "linux")
+            || is_unshared && !is_allowed(&format!("{unshare} true"))
+        {
             continue;
         }
-        for pty in shells.split(' ').filter_map(|shell| run_as_job(shell, line.trim())) {
+        for shell in shells.split(' ') {
             println!("{scenario}");
+            let pty = if shell == "-" { Some(run_in_sh(&line)) } else { run_as_job(shell, &line) };
+            let Some(pty) = pty else { continue };
             steps.split(' ').for_each(|name| step(&pty, name));
         }
     }
 }
 
 #[test]
-fn ctrl_c_ends_the_list_loop_or_script_around_donut() {
-    for line in [
-        "DONUT --frames 1000 && echo next; exit 7",
-        "for i in 1 2 3; do DONUT; done; exit 7",
-        "sh -c 'while :; do DONUT; done'; exit 7",
-    ] {
-        for pty in ["bash", "dash"].iter().filter_map(|shell| run_as_job(shell, line)) {
-            wait_for_first_frame(&pty);
-            pty.type_bytes(b"\x03");
-            step(&pty, "end");
-            type_line(&pty, "exit 5");
-            assert_eq!(pty.wait_for_exit(), 5, "{line}");
-            assert!(!pty.lines().contains(&"next".to_string()));
-        }
-    }
+fn donut_is_well_behaved_without_job_control() {
+    run_scenarios(
+        "
+        - | exec DONUT --frames=0 | exit=0 unwritten
+        - | TERM=dumb exec DONUT | exit=1 message
+
+        # No memory has room for such a stack, so no thread can be started.
+        - | RUST_MIN_STACK=200000000000000 exec DONUT | exit=1 message
+
+        # A device gets the picture.
+        - | exec DONUT --frames=2 --fps=0 > /dev/null    | exit=0 unwritten
+        - | exec DONUT --frames=2 --fps=0 > /dev/zero    | exit=0 unwritten
+        - | exec DONUT --frames=2 --fps=0 > /dev/urandom | exit=0 unwritten
+
+        # timeout makes the donut a job of its own, and without job control, nothing puts it into the
+        # foreground.
+        - | timeout 0.5 DONUT; exit $? | exit=124 unwritten
+
+        - | exec STILL | picture HUP exit=129
+        - | exec STILL | picture INT exit=130
+        - | exec STILL | picture QUIT exit=131
+        - | exec STILL | picture TERM exit=143
+
+        # An arrow key, Alt and a key, and the Esc key, once and held down.
+        - | exec STILL | picture Esc[A resize frames Esc[Aq exit=0
+        - | exec STILL | picture Escq resize frames q exit=0
+        - | exec STILL | picture xEsc exit=0
+        - | exec STILL | picture EscEscEscEsc exit=0
+
+        # Whatever standard input is, keys are obeyed.
+        - | STILL < /dev/null; exit $?   | picture abc resize ^Z entered-again frames q exit=0
+        - | yes | STILL                  | picture abc resize ^Z entered-again frames q exit=0
+        - | yes | head -1 | while read line; do STILL; done | picture abc resize frames q exit=0
+        - | echo --fps=20 | xargs STILL  | picture abc resize ^Z entered-again frames q exit=0
+
+        # Whatever the settings are, Ctrl-C sends a signal, and a newline starts a new line.
+        - | stty -isig; exec STILL       | picture ^Z entered-again frames ^C ends=130
+        - | stty -opost -onlcr; STILL; stty -a | grep -qe '-opost .* -onlcr' | picture q ends=0
+
+        # Where only one cursor can be saved, the shell's comes back.
+        - | printf 'one\\ntwo\\n'; exec STILL | picture ^Z entered-again STOP CONT picture q exit=0 cursor
+        ",
+    );
+}
+
+#[test]
+fn jobs_give_the_terminal_back_and_take_it_again() {
+    run_scenarios(
+        "
+        sh bash | STILL | picture ^Z stopped shell fg picture ^Z stopped shell fg picture q code=0
+
+        # If the donut were still on the alternate screen when the shell writes its prompt, the prompt would
+        # vanish with that screen.
+        bash | sh -c 'STILL; exit 5' | picture ^Z stopped shell report prompt fg picture q code=5
+        bash | (STILL; exit 5)       | picture ^Z stopped shell report prompt fg picture q code=5
+
+        # bash changes the settings for its prompt, so only dash shows whether they are restored. Where a
+        # stopped job has changed them, dash leaves them as they are, so the donut has to remember the ones
+        # from before.
+        dash | sh -c 'STILL; exit 5' | picture ^Z stopped shell settings fg picture q code=5 settings
+        dash | STILL                 | picture STOP stopped fg picture q code=0 settings
+        bash | STILL                 | picture STOP stopped report fg picture q code=0
+        bash | STILL                 | picture TSTP stopped report bg shell fg picture q code=0
+
+        # Ctrl-Z stops the donut once, whatever is typed with it.
+        bash | STILL | picture ^Z^Z stopped shell fg frames picture
+        bash | STILL | picture ^Zq stopped shell fg frames picture
+        bash | STILL | picture pp^Zpp stopped shell fg frames picture
+
+        # In the background, the donut leaves the shell's screen alone, even when it is killed.
+        bash | STILL & | nothing fg picture q code=0
+        bash | STILL & | nothing kill end report shell
+        bash | STILL   | picture ^Z stopped kill end report shell
+        bash | STILL   | picture ^Z stopped shell bg nothing kill end report shell
+        bash | STILL   | picture STOP stopped report kill end shell
+        bash | STILL   | picture STOP stopped report bg shell nothing kill end shell
+
+        # Without job control, a script runs the donut in the script's own job, and may end before it.
+        bash | sh -c 'STILL & exec sleep 100' | picture TERM shell prompt nothing
+
+        bash | timeout 100 STILL | picture ALRM code=124
+
+        # Ctrl-C ends the list, loop or script around the donut.
+        bash dash | STILL && exit 6; exit 7                    | picture ^C end alive
+        bash dash | for i in 1 2 3; do STILL; done; exit 7     | picture ^C end alive
+        bash dash | sh -c 'while :; do STILL; done'; exit 7    | picture ^C end alive
+
+        # Where the job in the foreground is outside of the program's pid namespace, the system cannot name
+        # it. In the first line, the donut is the first process of its namespace.
+        bash | UNSHARE STILL                  | picture frames ^C code=130
+        bash | UNSHARE sh -c 'STILL; exit $?' | picture frames ^C code=130
+        ",
+    );
 }
 
 /// This test stops the donut, types Ctrl-Z, sends SIGTERM and continues it, so the donut finds both at
@@ -913,23 +835,6 @@ fn a_signal_that_comes_with_a_ctrl_z_ends_the_donut() {
         }
     }
     panic!("Ctrl-Z has stopped it each time");
-}
-
-/// Where the job in the foreground is outside of the program's pid namespace, the system cannot name it.
-#[cfg(target_os = "linux")]
-#[test]
-fn ctrl_c_ends_donut_in_a_pid_namespace() {
-    let unshare = "unshare --user --map-root-user --pid --fork";
-    if !is_allowed(&format!("{unshare} true")) {
-        return;
-    }
-    // In the first case, the donut is the first process of its namespace.
-    for line in ["DONUT", "sh -c 'DONUT; exit $?'"] {
-        let Some(pty) = run_as_job("bash", &format!("{unshare} {line}")) else { return };
-        wait_for_more_frames(&pty, 5);
-        pty.type_bytes(b"\x03");
-        assert_code(&pty, "130");
-    }
 }
 
 #[test]

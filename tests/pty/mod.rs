@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::num::NonZeroU16;
 use std::process::Command;
+use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -103,6 +104,21 @@ impl Pty {
                 thread::sleep(pause);
             }
         });
+    }
+
+    /// Writes to the terminal, as another program might, so many bytes at a time, until the result is called.
+    pub fn start_writing(&self, bytes: usize) -> impl FnOnce() + use<> {
+        let (mut terminal, is_over) = (self.open(), Arc::new(AtomicBool::new(false)));
+        let is_stopped = is_over.clone();
+        let writer = thread::spawn(move || {
+            while !is_stopped.load(SeqCst) {
+                terminal.write_all(&vec![0; bytes]).unwrap();
+            }
+        });
+        move || {
+            is_over.store(true, SeqCst);
+            writer.join().unwrap();
+        }
     }
 
     /// Reads what the program writes until something comes true, and then no more.
@@ -223,10 +239,10 @@ impl Pty {
         self.job().is_some_and(|job| job.is_stopped)
     }
 
-    /// Sends a signal to the process that the program runs, and to no other.
+    /// Sends a signal to the process that the program runs, or to the program itself if it runs none.
     #[track_caller]
     pub fn signal_job(&self, signal: Signal) {
-        kill_process(self.job().expect("a job").pid, signal).unwrap();
+        kill_process(self.job().map_or(self.pid(), |job| job.pid), signal).unwrap();
     }
 
     pub fn path(&self) -> String {
