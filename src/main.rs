@@ -38,8 +38,9 @@
 //! ```
 //!
 //! **Rotation.** The donut is rotated by the angle A about the x axis, and then by B about the z axis. Each
-//! frame adds 0.04 to A and 0.02 to B. The two rotations take the point to (X, Y, Z); in the formulas, t is
-//! the point's y after the first rotation. The normal is rotated in the same way.
+//! frame adds 0.04 to A and 0.02 to B. The two rotations take the point to (X, Y, Z), measured from the
+//! donut's centre; in the formulas, t is the point's y after the first rotation. The normal is rotated in the
+//! same way.
 //! ```text
 //! t = h sin phi cos A - f sin A      X = h cos phi cos B - t sin B
 //! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
@@ -204,8 +205,7 @@ impl Renderer {
 
     /// Removes the shading from the frame: every glyph becomes the darkest one.
     fn flatten(&mut self) {
-        let glyphs = self.framebuffer.iter_mut().filter(|cell| **cell != b' ');
-        glyphs.for_each(|glyph| *glyph = RAMP[0]);
+        self.framebuffer.iter_mut().filter(|cell| **cell != b' ').for_each(|cell| *cell = RAMP[0]);
     }
 }
 
@@ -281,8 +281,8 @@ impl Renderer {
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
 /// gaps: at A = B = 1.5708, donut.c's own picture has a few. In a larger picture, k1x and k1y are n times
 /// donut.c's, and each step is divided by n, so that the samples stay about a cell apart. If the cells have
-/// another shape, k1x and k1y are not the same multiple of donut.c's, and n is the larger of the two. (Cells
-/// four times as tall as wide, or as wide as tall, still leave a few gaps.)
+/// another shape, k1x and k1y are different multiples of donut.c's, and n is the larger one. (Where cells are
+/// four times as tall as wide, or four times as wide as tall, this still leaves a few gaps.)
 fn angle_steps(view: &View) -> [f64; 2] {
     let scale = f64::min(View::DONUT_C.k1x / view.k1x, View::DONUT_C.k1y / view.k1y).min(1.0);
     [0.07 * scale, 0.02 * scale]
@@ -344,7 +344,8 @@ impl Renderer {
 
         for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
             // A ray can only hit if it passes through the circle that the bounding sphere looks like. In this
-            // row, the circle reaches from cx - half_width to cx + half_width, and never into column 0.
+            // row, the circle reaches from cx - half_width to cx + half_width. (Rays through column 0 miss,
+            // because `View` leaves it free.)
             let dy = (row as f64 + 0.5 - cy) / k1y;
             let half_width = (radius * radius - dy * dy).max(0.0).sqrt() * k1x;
             let end = width.min((cx + half_width) as usize + 1);
@@ -501,8 +502,8 @@ impl Torus {
     ///
     /// A ray's search for its hit uses Newton's method, which steps from s to the root of the tangent at s.
     /// Where G is convex, it lies above its tangents, so a step from a positive G never passes a root, unless
-    /// the step leaves the convex part. Where G is concave, the same holds for a step from a negative G. So
-    /// there are three cases:
+    /// the step leaves the convex part. Where G is concave, the same holds for a step from a negative G. A
+    /// search only starts where this holds, in one of three cases:
     ///
     /// 1. If the ray enters the bounding volume left of -w, the search starts there, and steps right, towards
     ///    s1. If there is no s1, it comes to a dead end: G rises, or a step would lead to -w or beyond. Then
@@ -514,8 +515,9 @@ impl Torus {
     ///    its slope at w is negative. The search steps left, towards s3.
     ///
     /// Every search ends. It goes in one direction, because a step that rounding has reversed is not taken,
-    /// and it goes on only while its steps are longer than `LAST_STEP`. Its way is limited: on the left by
-    /// -w, and on the right by where G is positive and rises for good, because a step from there leads back.
+    /// and it goes on only while its steps are longer than `LAST_STEP`. A search to the left stops at -w.
+    /// Far to the right, G is positive and rises, and a step from there would lead left, so a search to the
+    /// right stops there at the latest.
     fn first_hits<const N: usize>(&self, rays: &[Ray; N]) -> [f64; N] {
         // Each coefficient has an array of its own, so that one instruction loads it for several rays.
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
@@ -542,14 +544,15 @@ impl Torus {
     }
 }
 
-/// Takes one step of every search, again and again, until none has further to go.
+/// Takes one step of every search, again and again, until none has further to go. `step` takes search i from
+/// its s to the next, and says whether it has further to go.
 fn iterate<const N: usize>(mut s: [f64; N], step: impl Fn(usize, f64) -> (f64, bool)) -> [f64; N] {
     let mut is_any_moving = true;
     while is_any_moving {
         is_any_moving = false;
-        for (i, s) in s.iter_mut().enumerate() {
-            let (next, is_moving) = step(i, *s);
-            *s = next;
+        for (i, search) in s.iter_mut().enumerate() {
+            let (next, is_moving) = step(i, *search);
+            *search = next;
             is_any_moving |= is_moving;
         }
     }
@@ -925,8 +928,8 @@ struct Console {
     /// The terminal's settings when the program first entered it. They are saved only once: after a stop,
     /// some shells leave this program's own settings in place.
     settings: OnceLock<system::Settings>,
-    /// Whether the program has entered the terminal and not left it since. The lock also keeps discarding
-    /// output apart from leaving and ending: see `enforce_end`.
+    /// Whether the program has entered the terminal and not left it since. A thread holds the lock while it
+    /// discards output, leaves the terminal, or ends the program by a signal: see `enforce_end`.
     is_entered: Mutex<bool>,
     /// How often output has been discarded.
     discard_count: AtomicUsize,
@@ -996,16 +999,17 @@ impl Console {
         // A signal may have cut a frame short, in the middle of a row.
         queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
         if self.has_alternate_screen {
-            // The alternate screen is cleared, or else tmux would copy some of it into the shell's screen
-            // after a change of size. While this program was stopped, another one may have switched to the
-            // shell's screen, which the clear must not hit, so code 1047 first switches back. (Code 1049,
-            // which `enter` uses, would also save the cursor again, and some terminals save only one.)
+            // The alternate screen is cleared, because after a change of size, tmux would copy some of it
+            // into the shell's screen. Code 1047 comes first, because another program may have switched to
+            // the shell's screen during a stop, which must not be cleared. (Code 1049, which `enter` uses,
+            // would also save the cursor again, and some terminals keep only one saved cursor.)
             queue!(bytes, Print("\x1b[?1047h"), Clear(ClearType::All), LeaveAlternateScreen)?;
         }
+        // After a signal, `enforce_end` may discard output. If it did so since the bytes began to be written,
+        // write them again.
         loop {
             let discard_count = self.discard_count.load(SeqCst);
-            let written = self.write(&bytes); // Not under the lock: `enforce_end` may have to make room.
-            // And it may have discarded these bytes. If so, write them again.
+            let written = self.write(&bytes);
             let mut is_entered = self.is_entered.lock().unwrap();
             if self.discard_count.load(SeqCst) == discard_count || written.is_err() {
                 *is_entered = false;
@@ -1047,13 +1051,13 @@ impl Console {
     ///
     /// The loop may be waiting to write, because the terminal takes no output, or because another program
     /// writes there: Linux lets one program at a time write to a terminal. So after 100 ms, this makes room,
-    /// again and again, by discarding the output that the terminal has not taken yet. Two things must never
-    /// happen:
+    /// again and again, by discarding the output that the terminal has not taken yet.
     ///
-    /// - The program ends in the middle of a discard, which stops the terminal's output and restarts it. So
-    ///   a thread needs the lock of `is_entered` to discard, and to end the program.
-    /// - What restores the terminal is discarded. So `leave` writes it again if there was a discard
-    ///   meanwhile, and there is none after it.
+    /// - A discard stops the terminal's output and restarts it. If the program ended in between, the output
+    ///   would stay stopped. So a thread holds the lock of `is_entered` while it discards, and while it ends
+    ///   the program.
+    /// - The bytes that restore the terminal must not be lost in a discard. So there is none after the
+    ///   program has left the terminal, and if there was one before, `leave` writes the bytes again.
     fn enforce_end(&self, signal: i32) {
         self.end_signal.store(signal as usize, SeqCst);
         thread::sleep(Duration::from_millis(100));
@@ -1131,8 +1135,8 @@ impl Console {
 /// An arrow key, for example, sends an escape code: an ESC and more bytes. The terminal's answer to a
 /// question of an earlier program is such a code as well, and may arrive late and in pieces. So each code is
 /// followed to its end, by the grammar of ECMA-48. A code that does not go on for a TICK is dropped; but if
-/// it is only an ESC, that is the Esc key. (Only a read that finds nothing shows that a code does not go on:
-/// otherwise, the loop may just have been late.)
+/// it is only an ESC, that is the Esc key. (A long time between two reads shows nothing, because the loop may
+/// have been late. So a code is dropped only when a read finds nothing.)
 struct KeyReader {
     code: Code,
     last_read: Instant,
@@ -1157,7 +1161,9 @@ impl KeyReader {
         if !bytes.is_empty() {
             self.last_read = Instant::now();
         } else if self.last_read.elapsed() >= TICK {
-            keys.extend((self.code == Code::Escape).then_some(ESCAPE));
+            if self.code == Code::Escape {
+                keys.push(ESCAPE);
+            }
             self.code = Code::Nothing;
         }
         for &byte in bytes {
@@ -1218,13 +1224,13 @@ mod system {
 
     pub fn catch_signals(console: &'static Console) -> io::Result<()> {
         flag::register(SIGCONT, console.was_continued.clone())?;
-        let signals = [SIGTERM, SIGHUP, SIGQUIT];
-        // A handler sets the number at once, before the loop can meet an error that comes with the signal,
-        for signal in signals {
+        // A handler sets the number at once, so that the loop knows of a SIGHUP before it meets the errors of
+        // a terminal that has closed. A thread makes sure that the program ends.
+        const END_SIGNALS: [i32; 3] = [SIGTERM, SIGHUP, SIGQUIT];
+        for signal in END_SIGNALS {
             flag::register_usize(signal, console.end_signal.clone(), signal as usize)?;
         }
-        // and a thread makes sure that the program ends.
-        let mut signals = Signals::new(signals)?;
+        let mut signals = Signals::new(END_SIGNALS)?;
         let enforce = move || signals.forever().for_each(|signal| console.enforce_end(signal));
         thread::Builder::new().spawn(enforce).map(drop)
     }
@@ -1269,7 +1275,7 @@ mod system {
         changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO;
         // Ctrl-S is a key like any other, and does not stop the output.
         changed.input_modes -= InputModes::IXON;
-        // So are Ctrl-V, Ctrl-O and Ctrl-Y, which have a meaning on macOS: Ctrl-Y suspends there.
+        // So are Ctrl-V, Ctrl-O and Ctrl-Y, even on macOS, where Ctrl-Y would suspend.
         changed.local_modes -= LocalModes::IEXTEN;
         // Ctrl-C and Ctrl-\ send signals, which work even while the loop waits to write.
         changed.local_modes |= LocalModes::ISIG;

@@ -508,11 +508,12 @@ fn a_signal_restores_a_stuck_terminal() {
 
 /// Without a shell that could resume it, Ctrl-Z makes donut leave the terminal and enter it again.
 #[test]
-fn a_signal_restores_a_terminal_that_is_stuck_after_a_ctrl_z() {
-    let pty = Pty::run_unread(DONUT, &["--fps=0"], SIZE);
+fn a_signal_restores_a_terminal_that_is_stuck_in_a_frame() {
+    let pty = Pty::run_unread(DONUT, &["--fps=0", "--color=red"], SIZE);
     pty.read_until(|pty| frame_count(pty) > 0);
     pty.type_bytes(b"\x1a");
     pty.read_until(|pty| enter_count(pty) == 2);
+    pty.read_until(|pty| pty.screen(vt100::Screen::fgcolor) != vt100::Color::Default);
     pty.wait_until_full();
     pty.signal(Signal::TERM);
     assert_stuck_ends(&pty, 143);

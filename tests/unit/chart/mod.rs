@@ -290,7 +290,7 @@ fn the_readmes_figures_are_those_measured() {
     let mut stale = Vec::new();
     for (words, value) in [
         ("It is about # times as fast as a literal", times_as_fast("exact", "donut.c as written")),
-        ("about # times as fast as a closed formula", times_as_fast("exact", "closed form f64")),
+        ("about # times as fast as the closed form", times_as_fast("exact", "closed form f64")),
         ("Classic is about # times as fast", times_as_fast("classic x1", "donut.c as written")),
         ("in #% of the donut's cells", in_classic(&[2, 4])),
         ("a rim of wrong cells, #% as many", in_classic(&[3])),
