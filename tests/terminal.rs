@@ -405,30 +405,18 @@ fn in_tmux_a_new_size_leaves_no_rows_in_the_shells_screen() {
     if !is_installed("tmux") {
         return;
     }
-    let server = format!("donut-{}", std::process::id());
-    let tmux = |arguments: &[&str]| {
-        let start = ["-L", &server, "-f", "/dev/null"];
-        let output = Command::new("tmux").args(start).args(arguments).output().unwrap();
-        assert!(output.status.success(), "{arguments:?}: {output:?}");
-        String::from_utf8(output.stdout).unwrap()
-    };
-    let wait_for = |text: &str| {
-        let start = Instant::now();
-        while !tmux(&["capture-pane", "-p"]).contains(text) {
-            assert!(start.elapsed() < Duration::from_secs(60), "{text} never came");
-            sleep(Duration::from_millis(10));
-        }
-    };
+    let server = format!("-Ldonut-{}", std::process::id());
     let line = command("echo before; STILL; echo after; sleep 100");
-    tmux(&["new-session", "-d", "-x", "80", "-y", "24", &line]);
-    wait_for("@");
-    tmux(&["resize-window", "-x", "120", "-y", "40"]);
-    wait_for(&picture((120, 40)).into_iter().max_by_key(String::len).unwrap());
-    tmux(&["send-keys", "q"]);
-    wait_for("after");
-    let screen = tmux(&["capture-pane", "-p"]);
-    tmux(&["kill-server"]);
-    assert_eq!(screen.split_whitespace().collect::<Vec<_>>(), ["before", "after"]);
+    // With this setting, the server ends when the test does.
+    let settings = [";", "set", "destroy-unattached", "on", ";", "set", "status", "off"];
+    let arguments = [&[&server, "-f", "/dev/null", "new-session", &line], &settings[..]].concat();
+    let pty = Pty::run("tmux", &arguments, SIZE);
+    wait_for_picture(&pty, SIZE);
+    pty.resize((120, 40));
+    wait_for_picture(&pty, (120, 40));
+    pty.type_bytes(b"q");
+    pty.wait_for("the end", |pty| pty.lines().contains(&"after".to_string()));
+    assert_eq!(pty.lines().join(" ").split_whitespace().collect::<Vec<_>>(), ["before", "after"]);
 }
 
 // ---- Signals -------------------------------------------------------------------------------------
