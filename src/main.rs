@@ -1,8 +1,8 @@
 //! donut.c, Andy Sloane's spinning ASCII torus of 2006, in Rust.
 //!
-//! donut.c fills a terminal of 80 columns and 24 rows with a picture of 80 by 22 characters. At that size
-//! this program draws the same picture, byte for byte. A picture of any other size has no original to match,
-//! so it is ray-traced, unless an option says otherwise.
+//! donut.c fills a terminal of 80 columns and 24 rows with a picture of 80 by 22 characters. At 80x22, this
+//! program draws the same picture, byte for byte. A picture of any other size has no original to match, so it
+//! is ray-traced, unless an option says otherwise.
 //!
 //! # How donut.c draws a donut
 //!
@@ -624,6 +624,7 @@ struct Options {
     #[arg(long, help_heading = "Motion", value_name = "N")]
     #[arg(default_value = "30", value_parser = within(0.0..=1000.0))]
     fps: f64,
+
     /// Stop after N frames; the last one stays on the screen
     ///
     /// On a terminal, the screen is cleared first, and the prompt comes
@@ -631,6 +632,7 @@ struct Options {
     #[arg(long, help_heading = "Motion", value_name = "N", verbatim_doc_comment)]
     #[arg(value_parser = within(0..=1_000_000_000_000_u64))]
     frames: Option<u64>,
+
     /// Rotation per frame, in radians
     ///
     /// Each frame adds DA to the angle A, and DB to the angle B.
@@ -638,12 +640,14 @@ struct Options {
     #[arg(long, help_heading = "Motion", value_name = "DA,DB", verbatim_doc_comment)]
     #[arg(default_value = "0.04,0.02", value_parser = parse_angles)]
     spin: [f64; 2],
+
     /// Angle A of the first frame, in radians
     ///
     /// A rotates the donut about the x axis, which points right.
     #[arg(short = 'A', help_heading = "Motion", value_name = "RAD")]
     #[arg(default_value = "0", value_parser = within(ANGLES))]
     a: f64,
+
     /// Angle B of the first frame, in radians
     ///
     /// B comes after A, and is about the z axis, which points away from you.
@@ -651,10 +655,12 @@ struct Options {
     #[arg(short = 'B', help_heading = "Motion", value_name = "RAD", verbatim_doc_comment)]
     #[arg(default_value = "0", value_parser = within(ANGLES))]
     b: f64,
+
     /// How to draw; by default, donut.c's own picture is
     /// classic, others exact
     #[arg(long, help_heading = "Look", value_enum, verbatim_doc_comment)]
     method: Option<Method>,
+
     /// Colour: a name, 0 to 255, or '#rrggbb'
     ///
     /// The # may be left out. The names are black, dark_grey, grey, white,
@@ -663,11 +669,13 @@ struct Options {
     #[arg(long, alias = "colour", help_heading = "Look", verbatim_doc_comment)]
     #[arg(value_parser = parse_color)]
     color: Option<Color>,
+
     /// Columns [default: all, or 80 in a pipe]
     ///
     /// From 1 to 4096. On a terminal, at most its columns.
     #[arg(long, help_heading = "Size", value_name = "COLS", value_parser = within(SIZES))]
     width: Option<u16>,
+
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
     /// From 1 to 4096. On a terminal, at most its rows minus 2, or 1 row.
@@ -675,12 +683,14 @@ struct Options {
     #[arg(long, help_heading = "Size", value_name = "ROWS", verbatim_doc_comment)]
     #[arg(value_parser = within(SIZES))]
     height: Option<u16>,
+
     /// Height of a cell divided by its width
     ///
     /// From 0.1 to 10. A cell is the place of one character.
     #[arg(long, help_heading = "Size", value_name = "RATIO")]
     #[arg(default_value = "2", value_parser = within(0.1..=10.0))]
     aspect: f64,
+
     /// Radius of the ring, in tube radii
     ///
     /// From 1.01 to 30. The ring is the circle in the middle of the tube, all
@@ -688,6 +698,7 @@ struct Options {
     #[arg(long, help_heading = "Geometry", value_name = "R", verbatim_doc_comment)]
     #[arg(default_value = "2", value_parser = within(RING_RADII))]
     r2: f64,
+
     /// Distance to the donut's centre, in tube radii
     ///
     /// At least 1.001 times the sum of 1 and --r2, at most 1000000. Except in
@@ -839,8 +850,10 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
     let mut due = Instant::now();
     let mut frame_count = 0;
     let mut angles = [options.a, options.b];
+
     let mut terminal_size = console.size()?;
     let mut renderer = options.renderer(terminal_size);
+
     let mut key_reader = KeyReader { code: Code::Nothing, last_read: Instant::now() };
     let mut is_paused = false;
     let mut is_shaded = true;
@@ -1061,6 +1074,7 @@ impl Console {
     fn enforce_end(&self, signal: i32) {
         self.end_signal.store(signal as usize, SeqCst);
         thread::sleep(Duration::from_millis(100));
+
         for _ in 0..1000 {
             let is_entered = self.is_entered.lock().unwrap();
             if *is_entered {
@@ -1070,6 +1084,7 @@ impl Console {
             drop(is_entered);
             thread::sleep(Duration::from_millis(1));
         }
+
         system::restore_settings(&self.file, &self.settings); // For this, no room is needed.
         self.end_if_signalled();
     }
@@ -1082,16 +1097,19 @@ impl Console {
         if self.is_terminal {
             queue!(bytes, terminal::BeginSynchronizedUpdate)?;
         }
+
         // donut.c's own codes: to clear the screen, and to move the cursor to its top left corner.
         bytes.extend_from_slice(if clear { b"\x1b[2J\x1b[H" } else { b"\x1b[H" });
         if let Some(color) = self.color {
             queue!(bytes, SetForegroundColor(color))?;
         }
+
         for row in renderer.framebuffer.chunks_exact(renderer.view.width) {
             bytes.push(b'\n'); // In place of column 0.
             bytes.extend_from_slice(&row[1..]);
         }
         bytes.push(b'\n');
+
         if self.color.is_some() {
             queue!(bytes, ResetColor)?;
         }
@@ -1271,6 +1289,7 @@ mod system {
     pub fn set_cbreak_mode(terminal: &File, saved: &OnceLock<Settings>) {
         let Ok(settings) = termios::tcgetattr(terminal) else { return };
         let mut changed = saved.get_or_init(|| settings).clone();
+
         // A key is sent at once, not with the rest of its line, and is not echoed.
         changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO;
         // Ctrl-S is a key like any other, and does not stop the output.
@@ -1281,6 +1300,7 @@ mod system {
         changed.local_modes |= LocalModes::ISIG;
         // `\n` leads to the start of a new line.
         changed.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
+
         // No key may suspend, because Ctrl-Z has to arrive as a byte: see `suspend_job`. The value that means
         // "no key" differs between systems, so the key that suspends is set to the one that interrupts,
         // Ctrl-C. The system looks for an interrupt first, so Ctrl-C still interrupts.

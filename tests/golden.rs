@@ -2,6 +2,8 @@
 //! donut.c itself. Other sizes, and the pictures of exact, are compared with frames that this program
 //! has drawn before.
 
+mod limit;
+
 use std::fs;
 use std::process::Command;
 
@@ -9,7 +11,9 @@ use sha2::{Digest, Sha256};
 
 /// What the program writes to stdout.
 fn output_of(options: &[&str]) -> Vec<u8> {
-    let output = Command::new(env!("CARGO_BIN_EXE_donut")).args(options).output().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_donut"));
+    command.args(options);
+    let output = limit::within_a_minute(move || command.output()).unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     output.stdout
 }

@@ -359,12 +359,6 @@ impl Pty {
 impl Drop for Pty {
     fn drop(&mut self) {
         let child = self.child.get_mut();
-        let _ = child.kill();
-        for _ in 0..100 {
-            if !matches!(child.try_wait(), Ok(None)) {
-                break;
-            }
-            thread::sleep(Duration::from_millis(20));
-        }
+        let _ = child.kill().and_then(|()| child.wait());
     }
 }

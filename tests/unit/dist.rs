@@ -1,10 +1,9 @@
-//! The files of tests/dist. The manual page is written by hand, and these tests compare it with the
-//! program. The completions for shells are generated from the program's options, and these tests
-//! generate them again.
+//! The files of tests/dist: the manual page, which is written by hand, says what the program does, and the
+//! completions for shells are those that its options give.
 
 use super::*;
 use clap::builder::PossibleValuesParser;
-use clap_complete::{Shell, generate};
+use clap_complete::{Generator, Shell, generate};
 use std::collections::BTreeSet;
 
 /// The text of the manual page, without the escape codes that choose a font.
@@ -16,8 +15,7 @@ fn manual_page() -> String {
     page
 }
 
-/// An entry of the page, for an option, a key or an exit code: the line with its names, and the
-/// text below it.
+/// The entry for an option, a key or an exit code: the line with its names, and the text below it.
 fn entry<'a>(page: &'a str, name: &str) -> (&'a str, &'a str) {
     page.split("\n.")
         .filter_map(|part| part.strip_prefix("TP\n")?.split_once('\n'))
@@ -25,24 +23,18 @@ fn entry<'a>(page: &'a str, name: &str) -> (&'a str, &'a str) {
         .unwrap_or_else(|| panic!("the manual page has no entry for {name}"))
 }
 
+/// Checks that a text has this part in it. "From 0 to 10" is not a part of "from 0 to 100".
 fn assert_contains(text: &str, part: &str) {
-    assert!(text.contains(part), "no {part:?} in {text:?}");
+    let mut rests = text.match_indices(part).map(|(start, _)| &text[start + part.len()..]);
+    let is_whole = |rest: &str| !rest.starts_with(|next: char| next.is_ascii_digit());
+    assert!(rests.any(is_whole), "no {part:?} in {text:?}");
 }
 
 /// The names of the colours, in the order in which the help of --color lists them.
 fn color_names() -> Vec<&'static str> {
-    let command = Options::command();
-    let color = command.get_arguments().find(|option| option.get_id() == "color").unwrap();
-    let help = color.get_long_help().unwrap().to_string().replace(" and ", ", ");
+    let help = Options::command().render_long_help().to_string().replace(" and ", ",");
     let (_, names) = help.leak().split_once("The names are ").unwrap();
-    names.trim_end_matches('.').split(',').map(str::trim).collect()
-}
-
-/// Checks that a text names a range: "from 0 to 10" is not in "from 0 to 100".
-fn assert_allows(text: &str, range: &str) {
-    let mut rests = text.match_indices(range).map(|(start, _)| &text[start + range.len()..]);
-    let is_named = rests.any(|rest| !rest.starts_with(|next: char| next.is_ascii_digit()));
-    assert!(is_named, "no {range:?} in {text:?}");
+    names.split('.').next().unwrap().split(',').map(str::trim).collect()
 }
 
 /// The range of an option, taken from the error message for another value.
@@ -50,21 +42,18 @@ fn range(option: &str) -> String {
     let value = if option == "--spin" { "x,x" } else { "x" };
     let refused = Options::try_parse_from(["donut", option, value]).err().unwrap().to_string();
     let start = refused.find("from ").unwrap();
-    refused[start..].split('\n').next().unwrap().to_string()
+    refused[start..].lines().next().unwrap().into()
 }
 
 #[test]
-fn the_manual_page_has_every_option_with_its_values_and_no_other() {
+fn the_manual_page_has_exactly_the_options_and_their_values() {
     let page = manual_page();
     let mut command = Options::command();
     command.build();
     let mut options = BTreeSet::new();
     for option in command.get_arguments() {
-        let has_heading = option.get_help_heading().is_some();
-        assert!(
-            has_heading || option.get_id() == "help" || option.get_id() == "version",
-            "{option}"
-        );
+        let is_builtin = ["help", "version"].contains(&option.get_id().as_str());
+        assert!(is_builtin || option.get_help_heading().is_some(), "{option}");
         let short = option.get_short().map(|letter| format!("-{letter}"));
         let long = option.get_long().map(|word| format!("--{word}"));
         for name in short.iter().chain(&long) {
@@ -91,18 +80,15 @@ fn the_manual_page_has_every_option_with_its_values_and_no_other() {
 #[test]
 fn the_manual_page_and_the_help_say_which_values_are_allowed() {
     let (page, command) = (manual_page(), Options::command());
-    for name in
-        ["--fps", "--frames", "--spin", "-A", "-B", "--width", "--height", "--aspect", "--r2"]
-    {
-        let range = range(name);
-        assert_allows(entry(&page, name).1, &range);
-        let id = name.trim_start_matches('-');
-        // Of these options, the help says what they do, and not the range, which is wide.
-        if !["frames", "A", "B"].contains(&id) {
-            let option = command.get_arguments().find(|option| option.get_id() == id).unwrap();
-            let help = option.get_long_help().or(option.get_help()).unwrap().to_string();
-            assert_allows(&help.replace("From", "from"), &range);
-        }
+    for name in ["--frames", "-A", "-B"] {
+        assert_contains(entry(&page, name).1, &range(name));
+    }
+    for name in ["fps", "spin", "width", "height", "aspect", "r2"] {
+        let range = range(&format!("--{name}"));
+        assert_contains(entry(&page, &format!("--{name}")).1, &range);
+        let option = command.get_arguments().find(|option| option.get_id() == name).unwrap();
+        let help = option.get_long_help().or(option.get_help()).unwrap().to_string();
+        assert_contains(&help.replace("From", "from"), &range);
     }
     let colors: Vec<_> = entry(&page, "--color").1.split([' ', ',', '.', '\n']).collect();
     for name in color_names() {
@@ -110,13 +96,12 @@ fn the_manual_page_and_the_help_say_which_values_are_allowed() {
     }
 }
 
-/// Some options are not allowed together. The page has to state these rules in the words of the error
-/// message.
+/// The page has to state these rules in the words of the error message.
 #[test]
 fn the_manual_page_has_every_rule_between_options() {
     let page = manual_page();
     let help = Options::command().render_long_help().to_string();
-    assert_allows(entry(&page, "--k2").1, "at most 1000000");
+    assert_contains(entry(&page, "--k2").1, "at most 1000000");
     assert_contains(&help, "1.001 times the sum of 1 and --r2");
     for [option, value, rule] in [
         ["--k2", "2.5", "1.001 times the sum of 1 and --r2"],
@@ -129,12 +114,11 @@ fn the_manual_page_has_every_rule_between_options() {
 }
 
 #[test]
-fn the_manual_page_has_the_keys_exit_codes_and_examples_and_the_version() {
+fn the_manual_page_has_keys_exit_codes_examples_and_version() {
     let (page, readme) = (manual_page(), read("README.md"));
     let (keys, examples) = AFTER_HELP.split_once("\n\nExamples:\n").unwrap();
     for line in keys.lines().skip(1) {
-        let (names, _) = line.trim().split_once("  ").unwrap();
-        for name in names.split(", ") {
+        for name in line.trim().split("  ").next().unwrap().split(", ") {
             entry(&page, name);
             let is_row = |line: &str| line.starts_with('|') && line.contains(&format!("`{name}`"));
             assert!(readme.lines().any(is_row), "the README's table of keys lacks {name}");
@@ -173,14 +157,9 @@ fn completion(shell: Shell) -> String {
 /// would complete the names of files. The script for PowerShell completes no values at all.
 #[test]
 fn the_stored_completions_are_those_for_the_options() {
-    for (shell, name) in [
-        (Shell::Bash, "donut.bash"),
-        (Shell::Zsh, "_donut"),
-        (Shell::Fish, "donut.fish"),
-        (Shell::PowerShell, "_donut.ps1"),
-    ] {
+    for shell in [Shell::Bash, Shell::Zsh, Shell::Fish, Shell::PowerShell] {
         let script = completion(shell);
-        assert_current(&format!("tests/dist/{name}"), &script);
+        assert_current(&format!("tests/dist/{}", shell.file_name("donut")), &script);
         let has_colors = color_names().iter().all(|name| script.contains(name));
         assert_eq!(has_colors, shell != Shell::PowerShell, "{shell}: {script}");
         for files in ["compgen -f", "-o default", "-o bashdefault", "_default", "_files", "-r\n"] {

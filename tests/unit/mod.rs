@@ -1,16 +1,7 @@
 //! The tests that look inside the program. Those in the folder above only run it.
 //!
-//! - `oracle.rs`: a second way to find what a ray sees. It is slow, and shares no code with the program.
-//! - `exact.rs`: every cell that `exact` draws shows what the oracle sees there.
-//! - `classic.rs`: the parts of `classic`, and how its picture differs from the oracle's.
-//! - `clock.rs`: the angles A and B of frame after frame, and the method that draws them by default.
-//! - `keys.rs`: the keys among the bytes that a terminal sends.
-//! - `panic.rs`: the terminal is restored after a panic.
-//! - `dist.rs`: the manual page and the completions in tests/dist say what the program does.
-//! - `chart/`: measures the speed and the accuracy of several methods, and draws the README's pictures.
-//!
-//! This file has what several of these tests need: stored files, views, poses, and the comparison of a
-//! picture with what the oracle sees.
+//! This file has what several of them need: stored files, views, poses, and the comparison of a picture
+//! with what the oracle sees.
 
 mod chart;
 mod classic;
@@ -60,25 +51,20 @@ fn fitted(width: usize, height: usize) -> View {
     View::new(width, height, 2.0, 2.0, 5.0)
 }
 
-/// The oracle for the donut of this view, turned by A and B.
-fn oracle_of(view: &View, a: f64, b: f64) -> Oracle {
-    Oracle::new(view.r2, view.k2, a, b)
-}
-
 /// The direction (dx, dy, 1) of the ray through a point of the screen.
 fn direction(view: &View, x: f64, y: f64) -> (f64, f64) {
     ((x - view.cx) / view.k1x, (y - view.cy) / view.k1y)
 }
 
-/// The direction of the ray through the centre of a cell.
-fn cell_direction(view: &View, (column, row): (usize, usize)) -> (f64, f64) {
-    direction(view, column as f64 + 0.5, row as f64 + 0.5)
-}
-
-/// The columns and rows of a picture's cells, without column 0 and row 0, where nothing is drawn.
-fn cells(view: &View) -> impl Iterator<Item = (usize, usize)> + use<> {
-    let &View { width, height, .. } = view;
-    (1..height).flat_map(move |row| (1..width).map(move |column| (column, row)))
+/// The cells of a picture but those of column 0 and row 0, where nothing is drawn: for each, its index, the
+/// direction of the ray through its centre, and what the oracle sees there.
+fn cells(view: &View, oracle: &Oracle) -> impl Iterator<Item = (usize, (f64, f64), Option<f64>)> {
+    let columns_and_rows =
+        (1..view.height).flat_map(|row| (1..view.width).map(move |column| (column, row)));
+    columns_and_rows.map(|(column, row)| {
+        let (dx, dy) = direction(view, column as f64 + 0.5, row as f64 + 0.5);
+        (row * view.width + column, (dx, dy), oracle.look(dx, dy))
+    })
 }
 
 /// The level of a glyph: its place in the ramp, from 0 for the darkest to 11. A blank has none.
@@ -93,9 +79,8 @@ fn donut_c_poses(count: usize) -> Vec<(f64, f64)> {
     (0..count).map(|n| (2.44 * n as f64, 1.22 * n as f64)).collect()
 }
 
-/// A renderer for any view, enlarged ones included. donut.c's own view reaches below the picture,
-/// by less than the two rows that the program adds to its z-buffer. Enlarged, it reaches further,
-/// so this adds more.
+/// A renderer for any view. An enlarged one reaches further below the picture than the program's own, so
+/// this adds more rows to the z-buffer.
 fn renderer(view: View, method: Method) -> Renderer {
     let mut renderer = Renderer::new(view, method);
     renderer.zbuffer.resize(view.width * (view.height + 2 + view.height / 10), 0.0);
@@ -121,8 +106,9 @@ struct Tally {
 }
 
 impl Tally {
-    fn count(&mut self, verdict: Verdict) {
+    fn count(&mut self, is_surface: bool, verdict: Verdict) {
         self.cells += 1;
+        self.surface += usize::from(is_surface);
         match verdict {
             Verdict::Right => {}
             Verdict::Tie => self.ties += 1,
@@ -147,15 +133,10 @@ impl Tally {
 /// Lets the oracle judge every cell of several pictures of the donut, turned by A and B. Each picture has a
 /// tally of its own.
 fn add_pictures(tallies: &mut [Tally], view: &View, (a, b): (f64, f64), pictures: &[Vec<u8>]) {
-    let oracle = oracle_of(view, a, b);
-    for (column, row) in cells(view) {
-        let (dx, dy) = cell_direction(view, (column, row));
-        let seen = oracle.look(dx, dy).map(level_of);
+    let oracle = Oracle::new(view.r2, view.k2, a, b);
+    for (cell, (dx, dy), light) in cells(view, &oracle) {
         for (tally, picture) in tallies.iter_mut().zip(pictures) {
-            let drawn = level(picture[row * view.width + column]);
-            tally.surface += usize::from(seen.is_some());
-            // `judge` looks again, which takes its time.
-            tally.count(if drawn == seen { Verdict::Right } else { oracle.judge(dx, dy, drawn) });
+            tally.count(light.is_some(), oracle.judge(dx, dy, light, level(picture[cell])));
         }
     }
 }

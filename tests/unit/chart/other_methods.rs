@@ -1,41 +1,40 @@
 //! Other ways to find what a ray hits first, to compare with the program's own. They use its rays and its
-//! shading, in f64.
-//!
-//! The chart compares times, so the methods in it should not be slow for no reason: sphere tracing follows
-//! several rays side by side, as exact does. `newton_once` and the textbook's formulas are only judged.
+//! shading, in f64. Those whose times the chart compares should not be slow for no reason, so sphere tracing
+//! follows several rays side by side, as exact does.
 
 use crate::tests::*;
 
 /// How many rays sphere tracing follows side by side.
 const RAYS: usize = 16;
 
-/// Sphere tracing, in f32. The search starts at the sphere round the donut. Each step along the ray is as
-/// long as the distance to the surface, so it cannot pass the surface.
-///
-/// A ray has hit when the distance is at most a tolerance. It has missed when it leaves the sphere, or when
-/// `most_steps` steps were not enough. If the tolerance is small, more rays run out of steps before they hit;
-/// if it is large, more rays stop beside an outline that they should pass. `1 / most_steps^2` is a compromise.
-pub fn sphere_trace(r2: f64, rays: &[Ray; RAYS], most_steps: usize) -> [f64; RAYS] {
-    let (r2, tolerance) = (r2 as f32, (most_steps as f32).powi(-2));
-    let d0_squared = rays.map(|ray| ray.d0_squared as f32);
-    let (f0, fu) = (rays.map(|ray| ray.f0 as f32), rays.map(|ray| ray.fu as f32));
-    let half = d0_squared.map(|square| ((1.0 + r2) * (1.0 + r2) - square).max(0.0).sqrt());
-    let (mut s, mut distance) = (half.map(|half| -half), [f32::INFINITY; RAYS]);
-    for _ in 0..most_steps {
-        let mut running = false;
-        for i in 0..RAYS {
-            let f = f0[i] + s[i] * fu[i];
-            let h = (d0_squared[i] + s[i] * s[i] - f * f).max(0.0).sqrt();
-            distance[i] = ((h - r2) * (h - r2) + f * f).sqrt() - 1.0;
-            let open = (distance[i] > tolerance) & (s[i] < half[i]);
-            s[i] += if open { distance[i] } else { 0.0 };
-            running |= open;
+/// Sphere tracing, in f32, from the sphere round the donut. Each step along the ray is as long as the
+/// distance to the surface, so it cannot pass the surface. A ray has hit when the distance is at most a
+/// tolerance. If that is small, more rays run out of steps before they hit; if it is large, more rays stop
+/// beside an outline that they should pass. `1 / most_steps^2` is a compromise.
+pub fn sphere_tracing(most_steps: usize) -> impl Fn(&Torus, &[Ray; RAYS]) -> [f64; RAYS] {
+    let tolerance = (most_steps as f32).powi(-2);
+    move |torus, rays| {
+        let r2 = torus.r2 as f32;
+        let d0_squared = rays.map(|ray| ray.d0_squared as f32);
+        let (f0, fu) = (rays.map(|ray| ray.f0 as f32), rays.map(|ray| ray.fu as f32));
+        let half = d0_squared.map(|square| ((1.0 + r2) * (1.0 + r2) - square).max(0.0).sqrt());
+        let (mut s, mut distance) = (half.map(|half| -half), [f32::INFINITY; RAYS]);
+        for _ in 0..most_steps {
+            let mut running = false;
+            for i in 0..RAYS {
+                let f = f0[i] + s[i] * fu[i];
+                let h = (d0_squared[i] + s[i] * s[i] - f * f).max(0.0).sqrt();
+                distance[i] = ((h - r2) * (h - r2) + f * f).sqrt() - 1.0;
+                let open = (distance[i] > tolerance) & (s[i] < half[i]);
+                s[i] += if open { distance[i] } else { 0.0 };
+                running |= open;
+            }
+            if !running {
+                break;
+            }
         }
-        if !running {
-            break;
-        }
+        std::array::from_fn(|i| if distance[i] <= tolerance { s[i].into() } else { MISS })
     }
-    std::array::from_fn(|i| if distance[i] <= tolerance { s[i].into() } else { MISS })
 }
 
 /// The coefficients of `s^4 + p s^2 + q s + r`, which is the program's G multiplied out.
@@ -44,17 +43,15 @@ fn plain_quartic(torus: &Torus, ray: &Ray) -> [f64; 3] {
     [2.0 * p, q, p * p + r]
 }
 
-/// The closed form: the first root of G(s) = 0 by Ferrari's solution.
-///
-/// Ferrari writes G as a product. That is possible if `y = alpha^2` solves another equation, the
-/// resolvent:
+/// The closed form: the first root of G(s) = 0 by Ferrari's solution. It writes G as a product, which is
+/// possible if `y = alpha^2` solves another equation, the resolvent:
 /// ```text
 /// G(s) = s^4 + p s^2 + q s + r = (s^2 + alpha s + beta) (s^2 - alpha s + gamma)
 /// y^3 + 2 p y^2 + (p^2 - 4 r) y - q^2 = 0
 /// ```
 ///
-/// The largest solution y puts the two smaller roots of G into the first factor. So the first hit is the
-/// smaller root of the first factor, or, if that has no roots, the smaller root of the second one.
+/// The largest solution y puts the two smaller roots of G into the first factor, whose smaller root is the
+/// first hit. If that factor has no roots, the first hit is the smaller root of the second one.
 ///
 /// With `y = v - 2/3 p` the resolvent becomes `v^3 - 3 m v - 2 n = 0`. If this has three roots, the
 /// largest is found by a cosine. If it has one, the root is found by Cardano's formula.
@@ -72,9 +69,8 @@ pub fn closed_form(torus: &Torus, ray: &Ray) -> f64 {
     };
     let y = (v - 2.0 / 3.0 * p).max(0.0);
     let alpha = y.sqrt();
-    // This is gamma - beta. It equals q / alpha; but where alpha is almost 0, so is q, and rounding spoils
-    // their quotient. There, the square root of (beta + gamma)^2 - 4 beta gamma is taken. Multiplying the
-    // factors out gives beta + gamma = p + y and beta gamma = r.
+    // This is gamma - beta. Where alpha is almost 0, so is q, and rounding spoils q / alpha. There, it is
+    // the square root of (beta + gamma)^2 - 4 beta gamma, with beta + gamma = p + y and beta gamma = r.
     let apart = if y < p.abs() / 8.0 {
         ((p + y) * (p + y) - 4.0 * r).max(0.0).sqrt().copysign(q)
     } else {
@@ -87,10 +83,8 @@ pub fn closed_form(torus: &Torus, ray: &Ray) -> f64 {
     f64::min(root / 2.0, MISS)
 }
 
-/// Newton's method with a single start: the point where the ray enters the sphere round the donut.
-///
-/// The ray hits where the search ends. It misses if that is outside the sphere, or if 64 steps are
-/// not enough.
+/// Newton's method with a single start: the point where the ray enters the sphere round the donut. The ray
+/// misses if the search ends outside the sphere, or takes more than 64 steps.
 pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
     let radius = 1.0 + torus.r2;
     let half = (radius * radius - ray.d0_squared).max(0.0).sqrt();
@@ -106,10 +100,8 @@ pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
     MISS
 }
 
-/// The textbook's solution, in f32 or in f64: Ferrari's formulas for the distance t from the
-/// viewer. They are the formulas of `closed_form`, without its precautions against rounding.
-///
-/// In t, the surface is where
+/// The textbook's solution, in f32 or in f64: the formulas of `closed_form`, without its precautions against
+/// rounding, for the distance t from the viewer. In t, the surface is where
 /// ```text
 /// (t^2 - 2 t0 t + k)^2 = 4 R2^2 (t^2 - 2 t0 t + K2^2 - (f + fu t)^2)
 /// ```
@@ -144,8 +136,8 @@ macro_rules! textbook {
             };
             let y = v - 2.0 / 3.0 * p;
             let alpha = y.sqrt();
-            // The square roots of the discriminants of Ferrari's two factors. Where a factor has no
-            // roots, this is NaN. The filter below drops its roots, because NaN is not above 0.
+            // The square roots of the factors' discriminants: NaN where a factor has no roots. The
+            // filter below drops these, because NaN is not above 0.
             let [first, second] =
                 [q / alpha, -q / alpha].map(|apart| (2.0 * (apart - p) - y).sqrt());
             let roots = [-alpha - first, first - alpha, alpha - second, second + alpha];

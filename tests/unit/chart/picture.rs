@@ -1,7 +1,5 @@
-//! The pictures of the README, as SVG: two of the program's frames, and the two charts of tests/chart.
-//!
-//! The charts' colours follow the page, which may be light or dark. They can be read even on a phone, where
-//! they are 390 pixels wide.
+//! The pictures of the README, as SVG: two of the program's frames, and the two charts of tests/chart. The
+//! charts follow the page, which may be light or dark, and can be read even on a phone, 390 pixels wide.
 
 use super::*;
 
@@ -37,11 +35,9 @@ fn run(column: usize, row: usize, class: &str, glyphs: &str) -> String {
 }
 
 /// The moving picture. All frames are in one strip, one below another, and the strip moves up behind a
-/// window that is as high as one frame.
-///
-/// It shows 15 frames a second, half as many as the program does by default, so the donut turns about twice
-/// as far from one frame to the next. After 157 frames A has gone round twice and B once, and the animation
-/// starts again without a jump.
+/// window that is as high as one frame. It shows 15 frames a second, half as many as the program does by
+/// default, so the donut turns about twice as far from one to the next. After 157 frames A has gone round
+/// twice and B once, and the animation starts again without a jump.
 pub fn moving() -> String {
     const FRAMES: usize = 157;
     /// The rows of a frame, and an empty one as a margin.
@@ -71,15 +67,14 @@ pub fn moving() -> String {
         FRAMES as f64 / 15.0,
         pixels(0, FRAMES * ROWS).1
     );
-    let size = pixels(COLUMNS.len(), ROWS);
-    svg("A spinning donut of ASCII characters", size, &style, &format!("<g>\n{strip}</g>\n"))
+    let title = "A spinning donut of ASCII characters";
+    svg(title, pixels(COLUMNS.len(), ROWS), &style, &format!("<g>\n{strip}</g>\n"))
 }
 
 /// One pose in both methods, side by side. The cells in which classic differs from exact have another
 /// colour.
 pub fn two_methods() -> String {
-    /// The columns that are shown: those that the donut is seen in, and a margin. The rows from 15 on are
-    /// below the donut.
+    /// The columns that are shown. (The rows from 15 on are below the donut.)
     const COLUMNS: Range<usize> = 6..37;
     let view = fitted(40, 17);
     let [classic, exact] =
@@ -90,17 +85,16 @@ pub fn two_methods() -> String {
     for (picture, name, left) in [(&classic, "classic", 1), (&exact, "exact", right)] {
         texts += &run(left, 1, "", name);
         for row in 0..15 {
-            let cells: Vec<_> = COLUMNS.map(|column| row * view.width + column).collect();
-            let kind = |&cell: &usize| (picture[cell] != b' ', picture[cell] != exact[cell]);
-            let mut column = left;
-            for cells in cells.chunk_by(|a, b| kind(a) == kind(b)) {
-                let (shows_donut, is_wrong) = kind(&cells[0]);
-                let glyphs: String = cells.iter().map(|&cell| char::from(picture[cell])).collect();
+            let start = row * view.width;
+            let (drawn, correct) = (&picture[start..], &exact[start..]);
+            let kind = |&i: &usize| (drawn[i] != b' ', drawn[i] != correct[i]);
+            for columns in COLUMNS.collect::<Vec<_>>().chunk_by(|a, b| kind(a) == kind(b)) {
+                let (shows_donut, is_wrong) = kind(&columns[0]);
                 if shows_donut {
+                    let glyphs: String = columns.iter().map(|&i| char::from(drawn[i])).collect();
                     let class = if is_wrong { " class=\"wrong\"" } else { "" };
-                    texts += &run(column, row + 2, class, &glyphs);
+                    texts += &run(left + columns[0] - COLUMNS.start, row + 2, class, &glyphs);
                 }
-                column += cells.len();
             }
         }
     }
@@ -111,53 +105,87 @@ pub fn two_methods() -> String {
 
 // ---- Charts --------------------------------------------------------------------------------------
 
-/// What has which colour on a light and on a dark page.
-const COLORS: [[&str; 3]; 9] = [
-    ["rect", "#ffffff", "#0d1117"],
-    [".grid", "#e2e5e9", "#2b313a"],
-    [".ink", "#24292f", "#e6edf3"],
-    [".grey", "#5c646e", "#a0a8b2"],
-    [".faint", "#e2a478", "#7a4c2a"],
-    [".orange", "#bc4c00", "#f0883e"],
-    [".green", "#116329", "#56d364"],
-    [".blue", "#0550ae", "#79c0ff"],
-    [".purple", "#7d35b5", "#d2a8ff"],
-];
+const STYLE: &str = "rect,circle,text{fill:currentColor}\
+    polyline{fill:none;stroke:currentColor;stroke-width:2}.grid{stroke-width:1}\
+    text{font:13px system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif}.title{font-size:17px}\n\
+    rect{color:#ffffff}.grid{color:#e2e5e9}.ink{color:#24292f}.grey{color:#5c646e}\
+    .faint{color:#e2a478}.orange{color:#bc4c00}.green{color:#116329}.blue{color:#0550ae}\
+    .purple{color:#7d35b5}\n\
+    @media(prefers-color-scheme:dark){\
+    rect{color:#0d1117}.grid{color:#2b313a}.ink{color:#e6edf3}.grey{color:#a0a8b2}\
+    .faint{color:#7a4c2a}.orange{color:#f0883e}.green{color:#56d364}.blue{color:#79c0ff}\
+    .purple{color:#d2a8ff}}";
 
-/// An axis of a chart: its title, its scale, the values at its two ends, and the marked values with their
-/// names.
 struct Axis {
     title: &'static str,
     scale: fn(f64) -> f64,
+    /// The values at the two ends.
     ends: [f64; 2],
-    marks: Vec<(f64, String)>,
+    /// The marked values, and their names.
+    marks: &'static [f64],
+    names: &'static [&'static str],
 }
+
+const TIME: Axis = Axis {
+    title: "time of a frame in µs, at 80x22 (logarithmic scale)",
+    scale: f64::log10,
+    ends: [5.0, 3000.0],
+    marks: &[10.0, 30.0, 100.0, 300.0, 1000.0],
+    names: &["10", "30", "100", "300", "1000"],
+};
+
+const WRONG_CELLS: Axis = Axis {
+    title: "wrong cells, as % of the donut's cells (cube-root scale)",
+    // A cube root spreads small shares out, as a logarithm does, but it also has a place for 0.
+    scale: f64::cbrt,
+    ends: [-0.06, 95.0],
+    marks: &[0.0, 0.1, 1.0, 5.0, 10.0, 20.0, 40.0, 60.0],
+    names: &["0%", "0.1%", "1%", "5%", "10%", "20%", "40%", "60%"],
+};
+
+const MINUTE: f64 = 60.0 * 30.0;
+const HOUR: f64 = 60.0 * MINUTE;
+const DAY: f64 = 24.0 * HOUR;
+
+const RUNNING_TIME: Axis = Axis {
+    title: "running time, at 30 frames a second (logarithmic scale)",
+    scale: f64::log10,
+    ends: [0.6 * MINUTE, 30.0 * DAY],
+    marks: &[MINUTE, HOUR, 31.0 * HOUR, 9.0 * DAY],
+    names: &["1 minute", "1 hour", "31 hours", "9 days"],
+};
+
+const TURNS: Axis = Axis {
+    title: "largest error of A so far, in turns (logarithmic scale)",
+    scale: f64::log10,
+    ends: [5e-5, 1e5],
+    marks: &[0.001, 0.1, 1.0, 10.0, 1000.0],
+    names: &["0.001", "0.1", "1", "10", "1,000"],
+};
 
 /// A chart, whose title says what it shows, and whose curves have labels instead of a key.
 struct Chart {
     height: f64,
-    x: Axis,
-    y: Axis,
+    x: &'static Axis,
+    y: &'static Axis,
     svg: String,
 }
 
 impl Chart {
-    fn new(title: &'static str, height: f64, x: Axis, y: Axis) -> Chart {
+    fn new(title: &str, height: f64, x: &'static Axis, y: &'static Axis) -> Chart {
         let ([left, right], [bottom, top]) = (x.ends, y.ends);
-        let (x_title, y_title, x_marks, y_marks) =
-            (x.title, y.title, x.marks.clone(), y.marks.clone());
         let mut chart = Chart { height, x, y, svg: String::new() };
-        for (at, name) in x_marks {
+        for (&at, name) in x.marks.iter().zip(x.names) {
             chart.line("grid", &[(at, bottom), (at, top)]);
-            chart.text("grey", (at, bottom), (0.0, 13.0), "middle", &name);
+            chart.text("grey", (at, bottom), (0.0, 13.0), "middle", name);
         }
-        for (at, name) in y_marks {
+        for (&at, name) in y.marks.iter().zip(y.names) {
             chart.line("grid", &[(left, at), (right, at)]);
-            chart.text("grey", (left, at), (-8.0, 0.0), "end", &name);
+            chart.text("grey", (left, at), (-8.0, 0.0), "end", name);
         }
         chart.text("ink title", (left, top), (-48.0, -46.0), "start", title);
-        chart.text("ink", (left, top), (-48.0, -20.0), "start", y_title);
-        chart.text("ink", (right, bottom), (0.0, 33.0), "end", x_title);
+        chart.text("ink", (left, top), (-48.0, -20.0), "start", y.title);
+        chart.text("ink", (right, bottom), (0.0, 33.0), "end", x.title);
         chart
     }
 
@@ -167,20 +195,19 @@ impl Chart {
             let [start, end, value] = [axis.ends[0], axis.ends[1], value].map(axis.scale);
             (value - start) / (end - start)
         };
-        (60.0 + 435.0 * part(&self.x, x), 62.0 + (self.height - 115.0) * (1.0 - part(&self.y, y)))
+        (60.0 + 435.0 * part(self.x, x), 62.0 + (self.height - 115.0) * (1.0 - part(self.y, y)))
     }
 
     fn line(&mut self, color: &str, points: &[(f64, f64)]) {
-        let point = |&point| format!("{:.1},{:.1}", self.place(point).0, self.place(point).1);
-        let points: Vec<_> = points.iter().map(point).collect();
-        let points = points.join(" ");
-        self.svg += &format!("<polyline class=\"{color}\" points=\"{points}\"/>\n");
+        let places = points.iter().map(|&point| self.place(point));
+        let places = places.map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ");
+        self.svg += &format!("<polyline class=\"{color}\" points=\"{places}\"/>\n");
     }
 
     fn dot(&mut self, color: &str, at: (f64, f64), radius: u32) {
         let (x, y) = self.place(at);
-        let circle = format!("cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"");
-        self.svg += &format!("<circle class=\"{color}\" {circle}/>\n");
+        self.svg +=
+            &format!("<circle class=\"{color}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>\n");
     }
 
     /// Writes a text, so many pixels from a point. `anchor` says which part of the text is there.
@@ -190,116 +217,55 @@ impl Chart {
         let place = format!("x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\"");
         self.svg += &format!("<text class=\"{color}\" {place}>{text}</text>\n");
     }
-
-    fn finish(self, title: &str) -> String {
-        let [light, dark] = [1, 2].map(|page| {
-            COLORS.map(|color| format!("{}{{color:{}}}", color[0], color[page])).concat()
-        });
-        let style = format!(
-            "rect,circle,text{{fill:currentColor}}polyline{{fill:none;stroke:currentColor;\
-             stroke-width:2}}.grid{{stroke-width:1}}text{{font:13px system-ui,-apple-system,\
-             'Segoe UI','DejaVu Sans',sans-serif}}.title{{font-size:17px}}\n{light}\n\
-             @media(prefers-color-scheme:dark){{{dark}}}"
-        );
-        svg(title, (520.0, self.height), &style, &self.svg)
-    }
 }
 
 /// A dot for each method: to the right is the time of a frame in microseconds, and upward the share of
 /// wrong cells in per cent.
-pub fn speed_and_accuracy(dots: &[(String, (f64, f64))]) -> String {
-    let starting_with = |start: &str| -> Vec<_> {
-        dots.iter().filter(|dot| dot.0.starts_with(start)).map(|dot| dot.1).collect()
-    };
-    // Several names begin with "classic x1", and "classic x1" itself is the first of them.
-    let [exact, one_by_one, closed, classic, literal] =
-        ["exact", "exact one", "closed form", "classic x1", "donut.c"]
-            .map(|name| starting_with(name)[0]);
-    let x = Axis {
-        title: "time of a frame in µs, at 80x22 (logarithmic scale)",
-        scale: f64::log10,
-        ends: [5.0, 3000.0],
-        marks: [10.0, 30.0, 100.0, 300.0, 1000.0].map(|time| (time, format!("{time}"))).into(),
-    };
-    let y = Axis {
-        title: "wrong cells, as % of the donut's cells (cube-root scale)",
-        // A cube root spreads small shares out, as a logarithm does, but it also has a place for 0.
-        scale: f64::cbrt,
-        ends: [-0.06, 95.0],
-        marks: [0.0, 0.1, 1.0, 5.0, 10.0, 20.0, 40.0, 60.0].map(|s| (s, format!("{s}%"))).into(),
-    };
+pub fn speed_and_accuracy() -> String {
     let title = "Eight rays at a time, exact is fastest with no wrong cell";
-    let mut chart = Chart::new(title, 430.0, x, y);
-    // A line through classic with longer and shorter steps.
-    let mut steps = starting_with("classic ");
-    steps.sort_by(|a, b| a.0.total_cmp(&b.0));
-    chart.line("faint", &steps);
-    for (name, at) in dots {
-        if let Some(name) = name.strip_prefix("classic ").filter(|&name| name != "x1") {
-            chart.dot("faint", *at, 3);
-            chart.text("grey", *at, (0.0, -13.0), "middle", name);
-        }
+    let mut chart = Chart::new(title, 430.0, &TIME, &WRONG_CELLS);
+    let steps = ["x4", "x2", "x1", "x1/2", "x1/4"];
+    let classics = steps.map(|steps| time_and_share(&format!("classic {steps}")));
+    chart.line("faint", &classics);
+    for (name, at) in steps.into_iter().zip(classics).filter(|&(name, _)| name != "x1") {
+        chart.dot("faint", at, 3);
+        chart.text("grey", at, (0.0, -13.0), "middle", name);
     }
-    let tracing = starting_with("sphere tracing ");
+    let sphere_tracing = |steps| time_and_share(&format!("sphere tracing {steps}"));
+    let tracing = [8, 16, 32, 64, 256].map(sphere_tracing);
     chart.line("blue", &tracing);
     tracing.iter().for_each(|&at| chart.dot("blue", at, 3));
-    for (at, radius, by, anchor, name, color) in [
-        (classic, 6, (0.0, 18.0), "middle", &*format!("classic, {:.1} µs", classic.0), "orange"),
-        (
-            literal,
-            6,
-            (0.0, 18.0),
-            "middle",
-            &format!("literal donut.c, {:.0} µs", literal.0),
-            "ink",
-        ),
-        (exact, 8, (0.0, 18.0), "middle", &format!("exact, {:.1} µs", exact.0), "green"),
-        (one_by_one, 4, (-2.0, 16.0), "start", "exact, one ray at a time", "green"),
-        (closed, 3, (16.0, 0.0), "start", "closed form", "purple"),
-        (tracing[0], 3, (9.0, -2.0), "start", "sphere tracing, 8 steps", "blue"),
-        (tracing[4], 3, (9.0, -4.0), "start", "256 steps", "blue"),
+    // In a label, # stands for the time.
+    for (name, color, radius, by, anchor, label) in [
+        ("classic x1", "orange", 6, (0.0, 18.0), "middle", "classic, # µs"),
+        ("donut.c as written", "ink", 6, (0.0, 18.0), "middle", "literal donut.c, # µs"),
+        ("exact", "green", 8, (0.0, 18.0), "middle", "exact, # µs"),
+        ("exact one ray at a time", "green", 4, (-2.0, 16.0), "start", "exact, one ray at a time"),
+        ("closed form f64", "purple", 3, (16.0, 0.0), "start", "closed form"),
+        ("sphere tracing 8", "blue", 3, (9.0, -2.0), "start", "sphere tracing, 8 steps"),
+        ("sphere tracing 256", "blue", 3, (9.0, -4.0), "start", "256 steps"),
     ] {
+        let at = time_and_share(name);
+        let decimals = usize::from(at.0 < 100.0);
+        let label = label.replace('#', &format!("{:.decimals$}", at.0));
         chart.dot(color, at, radius);
-        chart.text(color, at, by, anchor, name);
+        chart.text(color, at, by, anchor, &label);
     }
     // An arrow towards less time and fewer wrong cells.
     let (tail, head) = ((9.3, 0.25), (6.0, 0.02));
     chart.line("grey", &[tail, head]);
     chart.line("grey", &[(6.1, 0.06), head, (7.6, 0.025)]);
     chart.text("grey", tail, (-2.0, -11.0), "middle", "better");
-    chart.finish(title)
+    svg(title, (520.0, chart.height), STYLE, &chart.svg)
 }
 
 /// The largest error of donut.c's angle A so far, over the running time.
 pub fn drift(errors: &[(f64, f64)]) -> String {
-    const MINUTE: f64 = 60.0 * 30.0;
-    const HOUR: f64 = 60.0 * MINUTE;
-    const DAY: f64 = 24.0 * HOUR;
-    let x = Axis {
-        title: "running time, at 30 frames a second (logarithmic scale)",
-        scale: f64::log10,
-        ends: [0.6 * MINUTE, 30.0 * DAY],
-        marks: [
-            ("1 minute", MINUTE),
-            ("1 hour", HOUR),
-            ("31 hours", 31.0 * HOUR),
-            ("9 days", 9.0 * DAY),
-        ]
-        .map(|(name, frames)| (frames, name.to_string()))
-        .into(),
-    };
-    let turns = [(0.001, "0.001"), (0.1, "0.1"), (1.0, "1"), (10.0, "10"), (1000.0, "1,000")];
-    let y = Axis {
-        title: "largest error of A so far, in turns (logarithmic scale)",
-        scale: f64::log10,
-        ends: [5e-5, 1e5],
-        marks: turns.map(|(turns, name)| (turns, name.to_string())).into(),
-    };
     let title = "donut.c's angle A is a whole turn off in 1.8 hours";
-    let mut chart = Chart::new(title, 360.0, x, y);
+    let mut chart = Chart::new(title, 360.0, &RUNNING_TIME, &TURNS);
     let points = errors.iter().map(|&(frame, error)| (frame, error / TAU));
-    let points: Vec<_> =
-        points.filter(|&(frame, _)| (0.6 * MINUTE..=STOPPED).contains(&frame)).collect();
+    let shown = points.filter(|point| (RUNNING_TIME.ends[0]..=STOPPED).contains(&point.0));
+    let points: Vec<_> = shown.collect();
     chart.line("orange", &points);
     for (event, name) in
         [(FASTER, "here A begins to turn 17% too fast"), (STOPPED, "A stands still")]
@@ -308,5 +274,5 @@ pub fn drift(errors: &[(f64, f64)]) -> String {
         chart.dot("ink", at, 5);
         chart.text("ink", at, (-10.0, -4.0), "end", name);
     }
-    chart.finish(title)
+    svg(title, (520.0, chart.height), STYLE, &chart.svg)
 }
