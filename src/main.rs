@@ -946,9 +946,9 @@ struct Console {
     is_entered: Mutex<bool>,
     /// How often output has been discarded.
     discard_count: AtomicUsize,
-    /// The number of the signal that asks the program to end, or 0. The handlers of these signals set it.
+    /// The number of the signal that asks the program to end, or 0.
     end_signal: Arc<AtomicUsize>,
-    /// Whether the program was stopped and has been continued since. SIGCONT's handler sets it.
+    /// Whether the program was stopped and has been continued since: the handler of SIGCONT sets this.
     was_continued: Arc<AtomicBool>,
 }
 

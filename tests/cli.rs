@@ -92,6 +92,7 @@ fn values_are_accepted_within_their_limits_and_no_others_are() {
         ("--r2 {}", "1.009 30.1 -2 nan ", ["'{}' for '--r2", r2], "1.01 3.99"),
         ("--r2 {}", "10", ["--k2 is 5, but must be from 11.011", k2], ""),
         ("--r2=10 --k2 {}", "11.0109", ["--k2 is {}, but must be from 11.011", k2], "11.011"),
+        ("--r2=1.2344 --k2 {}", "2.2366344", ["--k2 is {},", "from 2.236635 (1.001"], "2.236635"),
         ("--k2 {}", "3.0029999999999997", ["--k2 is {}, but must be from 3.003", k2], "3.003"),
         ("--k2 {}", "1000000.1 -5 NaN", ["--k2 is {}, but must be from 3.003", k2], "1000000"),
         ("--k2 {}", "big 1,2", ["'{}' for '--k2", "invalid float literal"], "5"),
@@ -207,6 +208,13 @@ fn in_a_pipe_even_a_full_one_signals_have_their_default_action() {
         reader.read_exact(&mut [0; 1000]).unwrap();
         sleep(Duration::from_millis(200)); // Now the pipe gets full.
         let process = Pid::from_raw(child.process_id().unwrap() as i32).unwrap();
+        #[cfg(target_os = "linux")]
+        {
+            let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+            let (_, caught) = status.split_once("SigCgt:\t").unwrap();
+            let caught = u64::from_str_radix(caught.lines().next().unwrap(), 16).unwrap();
+            assert_eq!(caught & 1 << (signal.as_raw() - 1), 0, "{signal:?} is caught");
+        }
         kill_process(process, signal).unwrap();
         let status = within_a_minute(move || child.wait()).unwrap();
         assert!(status.signal().unwrap().starts_with(description), "{signal:?}: {status:?}");

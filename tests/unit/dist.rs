@@ -96,7 +96,6 @@ fn the_manual_page_and_the_help_say_which_values_are_allowed() {
     }
 }
 
-/// The page has to state these rules in the words of the error message.
 #[test]
 fn the_manual_page_has_every_rule_between_options() {
     let page = manual_page();

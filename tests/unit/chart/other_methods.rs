@@ -1,10 +1,9 @@
 //! Other ways to find what a ray hits first, to compare with the program's own. They use its rays and its
 //! shading, in f64. Those whose times the chart compares should not be slow for no reason, so sphere tracing
-//! follows several rays side by side, as exact does.
+//! follows RAYS rays side by side, as exact does.
 
 use crate::tests::*;
 
-/// How many rays sphere tracing follows side by side.
 const RAYS: usize = 16;
 
 /// Sphere tracing, in f32, from the sphere round the donut. Each step along the ray is as long as the
