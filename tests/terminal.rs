@@ -692,7 +692,7 @@ fn donut_is_well_behaved_without_job_control() {
         - | echo --fps=20 | xargs STILL  | picture abc resize ^Z entered-again frames q exit=0
 
         # If another program reads the same keys, each key is for one of the two. Ctrl-C is for both.
-        - | cat | STILL                           | picture x frames x frames ^C exit=130
+        - | cat | STILL --fps=0 | picture xx frames x frames x frames x frames x frames x frames ^C exit=130
         - | while read line; do :; done | STILL   | picture x frames x frames ^C exit=130
         - | head -c 9 | STILL                     | picture x frames x frames q-lines exit=0
 

@@ -307,13 +307,11 @@ impl Pty {
     /// Waits until all that has been written so far is read.
     #[track_caller]
     pub fn wait_for_output(&self) {
-        // What is written now is read last. A terminal ignores this byte.
+        // A terminal ignores this byte. What has been written before is read before it.
         const END: u8 = 6;
         self.open().write_all(&[END]).unwrap();
-        self.wait_for("the end of the output", |pty| {
-            pty.seen.lock().unwrap().bytes.last() == Some(&END)
-        });
-        self.seen.lock().unwrap().bytes.pop();
+        self.wait_for("the end of the output", |pty| pty.seen.lock().unwrap().bytes.contains(&END));
+        self.seen.lock().unwrap().bytes.retain(|&byte| byte != END);
     }
 
     /// Waits for the program to end. Returns what a shell would call its exit code.
