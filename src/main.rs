@@ -279,10 +279,10 @@ impl Renderer {
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
-/// gaps: at A = B = 1.5708, donut.c's own picture has a few. In a larger picture, k1x and k1y are n times
-/// donut.c's, and each step is divided by n, so that the samples stay about a cell apart. If the cells have
-/// another shape, k1x and k1y are different multiples of donut.c's, and n is the larger one. (Where cells are
-/// four times as tall as wide, or four times as wide as tall, this still leaves a few gaps.)
+/// gaps. (At A = B = 1.5708, donut.c's own picture has a few, and so have larger ones.) In a larger picture,
+/// k1x and k1y are n times donut.c's, and each step is divided by n, so that the samples stay about a cell
+/// apart. If the cells have another shape, k1x and k1y are different multiples of donut.c's, and n is the
+/// larger one.
 fn angle_steps(view: &View) -> [f64; 2] {
     let scale = f64::min(View::DONUT_C.k1x / view.k1x, View::DONUT_C.k1y / view.k1y).min(1.0);
     [0.07 * scale, 0.02 * scale]
@@ -373,7 +373,7 @@ struct Torus {
     axis: [f64; 3],
 }
 
-/// A ray, reduced to the five numbers that decide where it hits a torus, and how bright it is there.
+/// A ray, reduced to the five numbers that decide where it hits one torus, and how bright it is there.
 ///
 /// A point of the ray is P = P0 + s U. U is the direction of the ray, of length 1. P0 is the point of the ray
 /// that is nearest to the donut's centre, the origin, so P0 and U are perpendicular. The number s says where
@@ -512,7 +512,8 @@ impl Torus {
     ///    between as well, because a concave curve lies above its chords. The search steps right, towards
     ///    s3. If there is no s3, it stops where G rises: the ray misses.
     /// 3. If G is 0 or negative at w, s3 is at w, or between -w and w. G falls all the way from s3 to w, so
-    ///    its slope at w is negative. The search steps left, towards s3.
+    ///    its slope at w is negative. The search steps left, towards s3. (A ray that only grazes the donut at
+    ///    w = 0 has the slope 0 there, and counts as a miss.)
     ///
     /// Every search ends. It goes in one direction, because a step that rounding has reversed is not taken,
     /// and it goes on only while its steps are longer than `LAST_STEP`. A search to the left stops at -w.
@@ -550,9 +551,9 @@ fn iterate<const N: usize>(mut s: [f64; N], step: impl Fn(usize, f64) -> (f64, b
     let mut is_any_moving = true;
     while is_any_moving {
         is_any_moving = false;
-        for (i, search) in s.iter_mut().enumerate() {
-            let (next, is_moving) = step(i, *search);
-            *search = next;
+        for (i, s_i) in s.iter_mut().enumerate() {
+            let (next, is_moving) = step(i, *s_i);
+            *s_i = next;
             is_any_moving |= is_moving;
         }
     }
@@ -564,7 +565,7 @@ fn iterate<const N: usize>(mut s: [f64; N], step: impl Fn(usize, f64) -> (f64, b
 
 /// A search ends with a step no longer than this, in units of R1. Newton's method converges so fast that
 /// little more than rounding error is left then. Only where a ray grazes the donut may the true hit be
-/// further away. But there the ray runs along the surface, where the luminance hardly changes.
+/// more than this away. But there the ray runs along the surface, where the luminance hardly changes.
 const LAST_STEP: f64 = 1e-8;
 
 /// Cases 1 and 2: where the search goes from s, and whether it has further to go.
@@ -585,8 +586,8 @@ fn hit_or_miss(quartic: [f64; 3], w: f64, s: f64) -> f64 {
     if (s >= w) & (slope >= 0.0) { MISS } else { s }
 }
 
-/// Case 3: where the search goes from s, and whether it has further to go. A search that has ended stays
-/// where it is: right of w and at `MISS`, `s <= w` is false, and left of -w, `next` is not less than s.
+/// Case 3: where the search goes from s, and whether it has further to go. The other searches stay where they
+/// are: right of w and at `MISS`, s is greater than w, and left of -w, it is less than `next`.
 fn step_left(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
     let (next, _) = newton(quartic, s);
     // s3 is right of -w. Only rounding can make a step seem to lead past -w.
@@ -596,7 +597,7 @@ fn step_left(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
 }
 
 /// Where Newton's method steps from s, and the slope of G at s. Where the slope is 0, the step is infinite or
-/// NaN: left of -w, this is a dead end, and anywhere else, it ends the search.
+/// NaN: left of -w, this is a dead end, and anywhere else, the search ends.
 fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
     let u = s * s + p;
     let slope = 4.0 * u * s + q;
@@ -610,7 +611,8 @@ fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
 /// On a terminal the donut fills the window and spins until you press q. If the
 /// output goes to a pipe or a file, it is what donut.c writes, escape codes
 /// included. The size is then 80x22 unless you set another, and the donut spins
-/// until you press Ctrl-C, or for as many frames as --frames says.
+/// until you press Ctrl-C or its reader goes away, or for as many frames as
+/// --frames says.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`. Angles may be
@@ -627,8 +629,8 @@ struct Options {
 
     /// Stop after N frames; the last one stays on the screen
     ///
-    /// On a terminal, the screen is cleared first, and the prompt comes
-    /// below the last frame.
+    /// On a terminal, the first frame clears the screen, and the prompt comes
+    /// below the last one.
     #[arg(long, help_heading = "Motion", value_name = "N", verbatim_doc_comment)]
     #[arg(value_parser = within(0..=1_000_000_000_000_u64))]
     frames: Option<u64>,
@@ -854,7 +856,7 @@ fn play(options: &Options, console: &Console) -> io::Result<()> {
     let mut terminal_size = console.size()?;
     let mut renderer = options.renderer(terminal_size);
 
-    let mut key_reader = KeyReader { code: Code::Nothing, last_read: Instant::now() };
+    let mut key_reader = KeyReader { code: Code::Nothing, last_arrival: Instant::now() };
     let mut is_paused = false;
     let mut is_shaded = true;
 
@@ -942,7 +944,7 @@ struct Console {
     /// some shells leave this program's own settings in place.
     settings: OnceLock<system::Settings>,
     /// Whether the program has entered the terminal and not left it since. A thread holds the lock while it
-    /// discards output, leaves the terminal, or ends the program by a signal: see `enforce_end`.
+    /// discards output, sets this to false, or ends the program by a signal: see `enforce_end`.
     is_entered: Mutex<bool>,
     /// How often output has been discarded.
     discard_count: AtomicUsize,
@@ -1014,8 +1016,8 @@ impl Console {
         if self.has_alternate_screen {
             // The alternate screen is cleared, because after a change of size, tmux would copy some of it
             // into the shell's screen. Code 1047 comes first, because another program may have switched to
-            // the shell's screen during a stop, which must not be cleared. (Code 1049, which `enter` uses,
-            // would also save the cursor again, and some terminals keep only one saved cursor.)
+            // the shell's screen during a stop, which must not be cleared. (`EnterAlternateScreen`, which is
+            // code 1049, would also save the cursor: in some terminals, over the one that `enter` saved.)
             queue!(bytes, Print("\x1b[?1047h"), Clear(ClearType::All), LeaveAlternateScreen)?;
         }
         // After a signal, `enforce_end` may discard output. If it did so since the bytes began to be written,
@@ -1072,7 +1074,7 @@ impl Console {
     /// - The bytes that restore the terminal must not be lost in a discard. So there is none after the
     ///   program has left the terminal, and if there was one before, `leave` writes the bytes again.
     fn enforce_end(&self, signal: i32) {
-        self.end_signal.store(signal as usize, SeqCst);
+        self.end_signal.store(signal as usize, SeqCst); // Only Ctrl-C's number is not there yet.
         thread::sleep(Duration::from_millis(100));
 
         for _ in 0..1000 {
@@ -1153,11 +1155,11 @@ impl Console {
 /// An arrow key, for example, sends an escape code: an ESC and more bytes. The terminal's answer to a
 /// question of an earlier program is such a code as well, and may arrive late and in pieces. So each code is
 /// followed to its end, by the grammar of ECMA-48. A code that does not go on for a TICK is dropped; but if
-/// it is only an ESC, that is the Esc key. (A long time between two reads shows nothing, because the loop may
-/// have been late. So a code is dropped only when a read finds nothing.)
+/// it is only an ESC, that is the Esc key. (As the loop may be late, a pause between two reads is no proof. A
+/// code is dropped only when a read finds no bytes.)
 struct KeyReader {
     code: Code,
-    last_read: Instant,
+    last_arrival: Instant,
 }
 
 /// What has come so far of an escape code.
@@ -1177,8 +1179,8 @@ impl KeyReader {
     fn keys(&mut self, bytes: &[u8]) -> Vec<u8> {
         let mut keys = Vec::new();
         if !bytes.is_empty() {
-            self.last_read = Instant::now();
-        } else if self.last_read.elapsed() >= TICK {
+            self.last_arrival = Instant::now();
+        } else if self.last_arrival.elapsed() >= TICK {
             if self.code == Code::Escape {
                 keys.push(ESCAPE);
             }

@@ -4,9 +4,9 @@ use super::*;
 
 /// The keys among these bytes, which come in pieces, and a while after them. Then a q is a key again.
 fn keys<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> Vec<u8> {
-    let mut reader = KeyReader { code: Code::Nothing, last_read: Instant::now() };
+    let mut reader = KeyReader { code: Code::Nothing, last_arrival: Instant::now() };
     let mut keys: Vec<_> = pieces.into_iter().flat_map(|piece| reader.keys(piece)).collect();
-    reader.last_read -= TICK;
+    reader.last_arrival -= TICK;
     keys.extend(reader.keys(b""));
     assert_eq!(reader.keys(b"q"), b"q");
     keys

@@ -263,15 +263,15 @@ fn the_readmes_figures_are_those_measured() {
     let readme = read("README.md").split_whitespace().collect::<Vec<_>>().join(" ");
     let mut stale = Vec::new();
     for (words, value) in [
-        ("It is about # times as fast as a literal", ratio("donut.c as written", "exact")),
+        ("and is about # times as fast as a literal", ratio("donut.c as written", "exact")),
         ("about # times as fast as the closed form", ratio("closed form f64", "exact")),
         ("Classic is about # times as fast", ratio("donut.c as written", "classic x1")),
-        ("in #% of the donut's cells", in_classic(classic[2] + classic[4])),
-        ("a rim of wrong cells, #% as many", in_classic(classic[3])),
+        ("which it draws, #% of the donut's cells", in_classic(classic[2] + classic[4])),
+        ("as many cells as #% of its own", in_classic(classic[3])),
         ("errors add up to a whole turn in # hours", hours(whole_turn)),
         ("After # hours the floats", hours(FASTER)),
         ("the donut turns #% too fast", 100.0 * excess),
-        ("after # days it stands still", hours(STOPPED) / 24.0),
+        ("After nearly # days it stands still", hours(STOPPED) / 24.0),
     ] {
         let (before, after) = words.split_once('#').unwrap();
         let between = readme.split(before).skip(1).filter_map(|rest| rest.split_once(after));
