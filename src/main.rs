@@ -1077,14 +1077,16 @@ impl Console {
         self.end_signal.store(signal as usize, SeqCst); // Only Ctrl-C's number is not there yet.
         thread::sleep(Duration::from_millis(100));
 
-        for _ in 0..1000 {
+        // These pauses add up to a second. They grow, so that even on a busy machine, `leave` finds one in which
+        // it can write.
+        for pause in 1..45 {
             let is_entered = self.is_entered.lock().unwrap();
             if *is_entered {
                 system::discard_output(&self.file);
                 self.discard_count.fetch_add(1, SeqCst);
             }
             drop(is_entered);
-            thread::sleep(Duration::from_millis(1));
+            thread::sleep(Duration::from_millis(pause));
         }
 
         system::restore_settings(&self.file, &self.settings); // For this, no room is needed.
