@@ -1077,8 +1077,8 @@ impl Console {
         self.end_signal.store(signal as usize, SeqCst); // Only Ctrl-C's number is not there yet.
         thread::sleep(Duration::from_millis(100));
 
-        // These pauses add up to a second. They grow, so that even on a busy machine, `leave` finds one in which
-        // it can write.
+        // These pauses add up to a second. They grow, so that even on a busy machine, `leave` finds one in
+        // which it can write.
         for pause in 1..45 {
             let is_entered = self.is_entered.lock().unwrap();
             if *is_entered {

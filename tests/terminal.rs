@@ -139,7 +139,6 @@ fn is_installed(program: &str) -> bool {
 }
 
 /// Whether this machine allows this command. If it does not, the test is skipped, and this says so.
-#[cfg(target_os = "linux")]
 fn is_allowed(command: &str) -> bool {
     let is_allowed = Command::new("sh").args(["-c", command]).status().unwrap().success();
     if !is_allowed {
@@ -544,7 +543,7 @@ fn frames_come_and_q_quits_beside_another_writer() {
 /// Waits for the end of the job, and asks the shell for its exit code.
 #[track_caller]
 fn assert_code(pty: &Pty, code: &str) {
-    pty.wait_for("its end", |pty| pty.job().is_none());
+    step(pty, "end");
     type_line(pty, "echo code=$?");
     let said = format!("code={code}");
     // A prompt may stand before the answer.
@@ -622,13 +621,17 @@ fn step(pty: &Pty, step: &str) {
             Some(("exit", code)) => pty.assert_ends(code.parse().unwrap()),
             Some(("ends", code)) => assert_eq!(pty.wait_for_exit(), code.parse().unwrap()),
             _ => {
-                let keys = [("^Z", "\x1a"), ("^C", "\x03"), ("^\\", "\x1c"), ("Esc", "\x1b")];
+                let keys = [("^Z", "\x1a"), ("^C", "\x03"), ("Esc", "\x1b")];
                 let text =
                     keys.iter().fold(step.to_string(), |text, (name, key)| text.replace(name, key));
                 pty.type_bytes(text.as_bytes());
             }
         },
     }
+}
+
+fn run_steps(pty: &Pty, steps: &str) {
+    steps.split(' ').for_each(|name| step(pty, name));
 }
 
 /// In each line are shells, a command, and steps. A `-` stands for a shell without job control, which runs
@@ -650,7 +653,7 @@ fn run_scenarios(scenarios: &str) {
             println!("{scenario}");
             let pty = if shell == "-" { Some(run_in_sh(&line)) } else { run_as_job(shell, &line) };
             let Some(pty) = pty else { continue };
-            steps.split(' ').for_each(|name| step(&pty, name));
+            run_steps(&pty, steps);
         }
     }
 }
@@ -786,11 +789,11 @@ fn a_signal_that_comes_with_a_ctrl_z_ends_the_donut() {
 fn what_was_on_the_shells_screen_during_a_stop_stays_there() {
     // No other frame is due, so the stop cannot come just before one, which would be drawn after it.
     let Some(pty) = run_as_job("bash", &format!("STILL {ONE_FRAME}")) else { return };
-    "picture STOP stopped report".split(' ').for_each(|name| step(&pty, name));
+    run_steps(&pty, "picture STOP stopped report");
     // As a program does that has had the alternate screen in the meantime.
     type_line(&pty, r"printf '\033[?1049l\033[?25h\033[2J\033[Hkept\n'");
     pty.wait_for("the text", |pty| pty.lines().contains(&"kept".to_string()));
-    "shell fg picture q end shell".split(' ').for_each(|name| step(&pty, name));
+    run_steps(&pty, "shell fg picture q end shell");
     assert!(pty.lines().contains(&"kept".to_string()), "{:?}", pty.lines());
 }
 
