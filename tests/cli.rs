@@ -1,51 +1,36 @@
 //! The command line: which options are accepted, what goes into a pipe, and how the program ends.
 
-mod limit;
+mod program;
 
 use std::collections::BTreeSet;
 use std::io::{Read, read_to_string};
-use std::process::{Child, Command, Stdio};
+use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use limit::within_a_minute;
+use program::{MOST_BYTES, Program, frames, within_a_minute};
 use proptest::prelude::*;
 
-const DONUT: &str = env!("CARGO_BIN_EXE_donut");
-
-/// More than any test reads. Without a limit, a program that never stops writing would fill the memory.
-const MOST_BYTES: u64 = 1_000_000;
-
-/// Starts the program with options that are separated by blanks.
-fn start(options: &str, stdout: impl Into<Stdio>) -> Child {
-    let mut command = Command::new(DONUT);
-    // In a pipe or a file, the program writes its escape codes whatever these variables say.
-    command.args(options.split(' ')).env("TERM", "dumb").env("NO_COLOR", "1");
-    command.stdin(Stdio::null()).stdout(stdout).stderr(Stdio::piped()).spawn().unwrap()
+/// Starts donut with options that are separated by blanks.
+fn start(options: &str, stdout: impl Into<Stdio>) -> Program {
+    Program::start(env!("CARGO_BIN_EXE_donut"), options, stdout)
 }
 
-/// Waits for the program to end, and returns what it draws, or why it refuses its options.
-fn result(mut child: Child) -> Result<String, String> {
-    let (drawn, output) = within_a_minute(move || {
-        let pipe = child.stdout.take().map(|pipe| pipe.take(MOST_BYTES));
-        (pipe.map(|pipe| read_to_string(pipe).unwrap()), child.wait_with_output().unwrap())
-    });
-    let drawn = drawn.unwrap_or_default();
-    let message = String::from_utf8(output.stderr).unwrap();
-    match output.status.code() {
-        Some(0) if message.is_empty() => Ok(drawn),
-        Some(2) if message.starts_with("error: ") && drawn.is_empty() => Err(message),
-        _ => panic!("{} with {} bytes of output: {message}", output.status, drawn.len()),
+/// Waits for donut to end, and returns what it draws, or why it refuses its options.
+fn result(donut: Program) -> Result<String, String> {
+    match donut.output() {
+        (Some(0), drawn, message) if message.is_empty() => Ok(drawn),
+        (Some(2), drawn, message) if message.starts_with("error: ") && drawn.is_empty() => {
+            Err(message)
+        }
+        (code, drawn, message) => {
+            panic!("{code:?} with {} bytes of output: {message}", drawn.len())
+        }
     }
 }
 
 fn run(options: &str) -> Result<String, String> {
     result(start(options, Stdio::piped()))
-}
-
-/// The frames that the program has drawn, without the escape codes that clear the screen and move the cursor.
-fn frames(drawn: &str) -> Vec<&str> {
-    drawn.strip_prefix("\x1b[2J\x1b[H").expect("a cleared screen").split("\x1b[H").collect()
 }
 
 #[test]
@@ -167,59 +152,19 @@ fn an_option_that_is_given_twice_has_its_last_value() {
 
 #[test]
 fn the_program_ends_silently_when_its_reader_goes_away() {
-    let mut child = start("--fps=0", Stdio::piped());
-    let mut pipe = child.stdout.take().unwrap();
+    let mut donut = start("--fps=0", Stdio::piped());
+    let mut pipe = donut.0.stdout.take().unwrap();
     within_a_minute(move || pipe.read_exact(&mut [0; 1000])).unwrap();
-    result(child).unwrap();
+    result(donut).unwrap();
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_gives_one_line_of_message_and_exit_code_1() {
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-    let child = start("--frames=1", full);
-    let output = within_a_minute(|| child.wait_with_output()).unwrap();
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!((output.status.code(), message.lines().count()), (Some(1), 1), "{message}");
+    let (code, _, message) = start("--frames=1", full).output();
+    assert_eq!((code, message.lines().count()), (Some(1), 1), "{message}");
     assert!(message.starts_with("donut: "), "{message}");
-}
-
-#[cfg(unix)]
-#[test]
-fn in_a_pipe_even_a_full_one_signals_have_their_default_action() {
-    use portable_pty::{CommandBuilder, PtySize, native_pty_system};
-    use rustix::process::{Pid, Signal, kill_process};
-    for (signal, description) in [
-        (Signal::HUP, "Hangup"),
-        (Signal::INT, "Interrupt"),
-        (Signal::QUIT, "Quit"),
-        (Signal::TERM, "Terminated"),
-    ] {
-        let pipe = format!("{}/{description}-{}", env!("CARGO_TARGET_TMPDIR"), std::process::id());
-        assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-        // In the background of a script, SIGINT is ignored, and the program would inherit that. So it is
-        // started by portable-pty, which first gives the four signals their default action.
-        let pty = native_pty_system().openpty(PtySize::default()).expect("a pseudo-terminal");
-        let mut shell = CommandBuilder::new("sh");
-        shell.cwd("/");
-        shell.args(["-c", r#"ulimit -c 0; exec "$0" --fps=0 > "$1""#, DONUT, &pipe]);
-        let mut child = pty.slave.spawn_command(shell).unwrap();
-        let mut reader = std::fs::File::open(&pipe).unwrap();
-        reader.read_exact(&mut [0; 1000]).unwrap();
-        sleep(Duration::from_millis(200)); // Now the pipe gets full.
-        let process = Pid::from_raw(child.process_id().unwrap() as i32).unwrap();
-        #[cfg(target_os = "linux")]
-        {
-            let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
-            let (_, caught) = status.split_once("SigCgt:\t").unwrap();
-            let caught = u64::from_str_radix(caught.lines().next().unwrap(), 16).unwrap();
-            assert_eq!(caught & 1 << (signal.as_raw() - 1), 0, "{signal:?} is caught");
-        }
-        kill_process(process, signal).unwrap();
-        let status = within_a_minute(move || child.wait()).unwrap();
-        assert!(status.signal().unwrap().starts_with(description), "{signal:?}: {status:?}");
-        std::fs::remove_file(&pipe).unwrap();
-    }
 }
 
 #[cfg(unix)]
@@ -228,9 +173,9 @@ fn every_frame_is_one_write() {
     use std::os::{fd::OwnedFd, unix::net::UnixDatagram};
     // On a datagram socket, each write is a packet of its own.
     let (reader, writer) = UnixDatagram::pair().unwrap();
-    let child = start("--frames=3 --fps=0 --color=red", OwnedFd::from(writer));
+    let donut = start("--frames=3 --fps=0 --color=red", OwnedFd::from(writer));
     let packets = within_a_minute(move || [0; 3].map(|_| reader.recv(&mut [0; 4000]).unwrap()));
-    result(child).unwrap();
+    result(donut).unwrap();
     let frame = 1764 + "\x1b[38;5;9m\x1b[0m".len();
     assert_eq!(packets, [4 + frame, frame, frame]);
 }
@@ -242,28 +187,25 @@ fn a_nonblocking_pipe_gets_every_byte_all_the_same() {
     let (reader, writer) = UnixStream::pair().unwrap();
     // A program that shares a terminal or a pipe with the donut may have made it nonblocking.
     writer.set_nonblocking(true).unwrap();
-    let child = start("--frames=300 --fps=0", OwnedFd::from(writer));
+    let donut = start("--frames=300 --fps=0", OwnedFd::from(writer));
     sleep(Duration::from_millis(300));
     let stream = within_a_minute(|| read_to_string(reader.take(MOST_BYTES))).unwrap();
-    result(child).unwrap();
+    result(donut).unwrap();
     assert_eq!(stream.len(), 4 + 300 * 1764);
 }
 
 /// Reads frame 0, pauses, and returns how long it takes to read `count` more frames of `size` cells.
 fn time_to_read(options: &str, size: usize, pause: Duration, count: usize) -> Duration {
-    let mut child = start(options, Stdio::piped());
-    let mut stream = child.stdout.take().unwrap();
-    let time = within_a_minute(move || {
+    let mut donut = start(options, Stdio::piped());
+    let mut stream = donut.0.stdout.take().unwrap();
+    within_a_minute(move || {
         let mut read = |bytes| stream.read_exact(&mut vec![0; bytes]).unwrap();
         read(4 + (4 + size));
         sleep(pause);
         let start = Instant::now();
         read(count * (4 + size));
         start.elapsed()
-    });
-    child.kill().unwrap();
-    child.wait().unwrap();
-    time
+    })
 }
 
 #[test]
@@ -325,8 +267,11 @@ fn lengths() -> impl Strategy<Value = (f64, f64)> {
 }
 
 proptest! {
-    // A case that fails is printed, not kept in the source tree.
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(500) })]
+    // A case that fails is printed, not kept in the source tree. It is not shrunk: if the program hangs, each
+    // try takes a minute.
+    #![proptest_config(ProptestConfig {
+        failure_persistence: None, max_shrink_iters: 0, ..ProptestConfig::with_cases(500)
+    })]
 
     #[test]
     fn whatever_the_options_it_draws_or_says_why_not(

@@ -2,31 +2,24 @@
 //! donut.c itself. Other sizes, and the pictures of exact, are compared with frames that this program
 //! has drawn before.
 
-mod limit;
+mod program;
 
 use std::fs;
-use std::process::Command;
+use std::process::Stdio;
 
+use program::{Program, frames};
 use sha2::{Digest, Sha256};
 
-/// What the program writes to stdout.
-fn output_of(options: &[&str]) -> Vec<u8> {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_donut"));
-    command.args(options);
-    let output = limit::within_a_minute(move || command.output()).unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    output.stdout
+/// What donut writes with these options, which are separated by blanks.
+fn output_of(options: &str) -> String {
+    let donut = Program::start(env!("CARGO_BIN_EXE_donut"), options, Stdio::piped());
+    let (code, written, message) = donut.output();
+    assert_eq!(code, Some(0), "{message}");
+    written
 }
 
-/// Splits what the program has written into frames, and takes off the `ESC [ H` that begins each.
-fn frames(stream: &[u8]) -> Vec<String> {
-    let stream = String::from_utf8(stream.to_vec()).unwrap();
-    let stream = stream.strip_prefix("\x1b[2J\x1b[H").expect("a cleared screen");
-    stream.split("\x1b[H").map(String::from).collect()
-}
-
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+fn sha256(text: &str) -> String {
+    Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Compares a frame with the one stored under this name. If the two differ, the message shows both.
@@ -38,7 +31,7 @@ fn assert_golden(name: &str, frame: &str) {
 
 #[test]
 fn the_first_10000_frames_are_those_recorded_from_donut_c() {
-    let stream = output_of(&["--frames=10000", "--fps=0"]);
+    let stream = output_of("--frames=10000 --fps=0");
     let frames = frames(&stream);
     // Five of these frames are the first that a common mistake changes:
     // - 17: theta and phi are in f64,
@@ -47,7 +40,7 @@ fn the_first_10000_frames_are_those_recorded_from_donut_c() {
     // - 92: products and sums are fused, so that they are rounded only once,
     // - 974: products are taken out of the inner loop, which changes the order of the multiplications.
     for n in [0, 17, 49, 58, 92, 974, 9999] {
-        assert_golden(&format!("donut.c-frame-{n}"), &frames[n]);
+        assert_golden(&format!("donut.c-frame-{n}"), frames[n]);
     }
     // The SHA-256 of what donut.c writes after the `ESC [ 2 J` at its start, in its first 10,000 frames.
     // donut.c was compiled by `gcc -std=gnu89 -O2` on x86-64.
@@ -64,9 +57,9 @@ fn other_pictures_are_those_stored() {
         ("exact", 120, 36),
         ("exact", 200, 60),
     ] {
-        let size = [format!("--width={width}"), format!("--height={height}")];
-        let pose = ["-A=1", "-B=0.5", "--frames=1", "--method", method, &size[0], &size[1]];
-        assert_golden(&format!("{method}-{width}x{height}"), &frames(&output_of(&pose))[0]);
+        let pose = "-A=1 -B=0.5 --frames=1";
+        let options = format!("{pose} --method={method} --width={width} --height={height}");
+        assert_golden(&format!("{method}-{width}x{height}"), frames(&output_of(&options))[0]);
     }
 }
 
@@ -74,7 +67,7 @@ fn other_pictures_are_those_stored() {
 /// depend neither on the optimiser nor on the systems that CI runs on.
 #[test]
 fn the_first_300_frames_of_exact_have_the_stored_hash() {
-    let stream = output_of(&["--method=exact", "--frames=300", "--fps=0"]);
+    let stream = output_of("--method=exact --frames=300 --fps=0");
     let expected = "8b67a629f8c5cd2b925ecaeda45caa26b8c7c048c7afec7875ced76d4e16f166";
     assert_eq!(sha256(&stream), expected);
 }

@@ -1,5 +1,8 @@
 //! A program on a pseudo-terminal, and the screen that a person would see.
 
+#[path = "../program/mod.rs"]
+pub mod program;
+
 use std::cell::RefCell;
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -11,6 +14,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, SlavePty, native_pty_system};
+use program::within_a_minute;
 use rustix::fs::{self, Mode, OFlags};
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use rustix::termios;
@@ -123,9 +127,10 @@ impl Pty {
 
     /// Reads what the program writes until something comes true, and then no more.
     pub fn read_until(&self, is_true: impl Fn(&Pty) -> bool) {
-        let mut reader = self.master().try_clone_reader().unwrap();
         while !is_true(self) {
-            assert_ne!(Pty::read_once(&self.seen, &mut reader, 1000).unwrap(), 0);
+            let (seen, mut reader) = (self.seen.clone(), self.master().try_clone_reader().unwrap());
+            let read = move || Pty::read_once(&seen, &mut reader, 1000);
+            assert_ne!(within_a_minute(read).unwrap(), 0);
         }
     }
 
@@ -259,7 +264,7 @@ impl Pty {
     pub fn wait_until_full(&self) {
         let terminal = open(&self.path(), OFlags::NONBLOCK);
         // A terminal that is full takes no more NULs, which do not show, either.
-        self.wait_for("a full terminal", |_| (&terminal).write(&[0]).is_err());
+        self.wait_for("a full terminal", |_| (&terminal).write(&[0; 64]).is_err());
     }
 
     /// What `look` finds on the screen.
@@ -309,7 +314,8 @@ impl Pty {
     pub fn wait_for_output(&self) {
         // A terminal ignores this byte. What has been written before is read before it.
         const END: u8 = 6;
-        self.open().write_all(&[END]).unwrap();
+        let mut terminal = self.open();
+        within_a_minute(move || terminal.write_all(&[END])).unwrap();
         self.wait_for("the end of the output", |pty| pty.seen.lock().unwrap().bytes.contains(&END));
         self.seen.lock().unwrap().bytes.retain(|&byte| byte != END);
     }
@@ -356,7 +362,9 @@ impl Pty {
 
 impl Drop for Pty {
     fn drop(&mut self) {
-        let child = self.child.get_mut();
-        let _ = child.kill().and_then(|()| child.wait());
+        if self.is_running() {
+            let _ = kill_process_group(self.pid(), Signal::KILL);
+            let _ = self.child.get_mut().wait();
+        }
     }
 }
