@@ -11,7 +11,6 @@ use std::time::{Duration, Instant};
 use program::{MOST_BYTES, Program, frames, within_a_minute};
 use proptest::prelude::*;
 
-/// Starts donut with options that are separated by blanks.
 fn start(options: &str, stdout: impl Into<Stdio>) -> Program {
     Program::start(env!("CARGO_BIN_EXE_donut"), options, stdout)
 }
@@ -173,7 +172,7 @@ fn every_frame_is_one_write() {
     use std::os::{fd::OwnedFd, unix::net::UnixDatagram};
     // On a datagram socket, each write is a packet of its own.
     let (reader, writer) = UnixDatagram::pair().unwrap();
-    let donut = start("--frames=3 --fps=0 --color=red", OwnedFd::from(writer));
+    let donut = start("--frames=3 --fps=20 --color=red", OwnedFd::from(writer));
     let packets = within_a_minute(move || [0; 3].map(|_| reader.recv(&mut [0; 4000]).unwrap()));
     result(donut).unwrap();
     let frame = 1764 + "\x1b[38;5;9m\x1b[0m".len();
@@ -214,9 +213,8 @@ fn frames_come_at_the_rate_asked_for() {
     // is not is enough: a program that is too slow never succeeds.
     let is_in_time = |_| {
         let start = Instant::now();
-        time_to_read("--fps=50", 80 * 22, Duration::ZERO, 25);
-        let time = start.elapsed();
-        assert!(time >= Duration::from_millis(500), "{time:?}");
+        let time = time_to_read("--fps=50", 80 * 22, Duration::ZERO, 25);
+        assert!(start.elapsed() >= Duration::from_millis(500));
         time < Duration::from_millis(750)
     };
     assert!((0..10).any(is_in_time), "the frames come too slowly");
@@ -224,9 +222,9 @@ fn frames_come_at_the_rate_asked_for() {
 
 #[test]
 fn after_a_stall_the_missed_frames_do_not_come_in_a_burst() {
-    // A pipe holds only one or two frames of this size. A hundred more come due while nobody reads it.
-    let options = "--fps=100 --width=400 --height=100";
-    let time = time_to_read(options, 400 * 100, Duration::from_secs(1), 30);
+    // A pipe holds only a few frames of this size. A hundred more come due while nobody reads it.
+    let options = "--fps=100 --width=1000 --height=400";
+    let time = time_to_read(options, 1000 * 400, Duration::from_secs(1), 30);
     // A few frames come at once: those in the pipe, the one that was being written, and the two after it.
     assert!(time >= Duration::from_millis(200), "{time:?}");
 }
@@ -285,6 +283,8 @@ proptest! {
             "--frames=2 --fps=0 --width={width} --height={height} -A{a} -B{b} --spin={da},{db} \
              --r2={r2} --k2={k2} --aspect={aspect}{method}"
         ));
+        let is_possible = k2 > 1.0011 * (1.0 + r2) && method != " --method=classic";
+        prop_assert!(drawn.is_ok() || !is_possible);
         if let Ok(drawn) = drawn {
             prop_assert_eq!(frames(&drawn).len(), 2);
             for frame in frames(&drawn) {

@@ -10,7 +10,6 @@ use std::process::Stdio;
 use program::{Program, frames};
 use sha2::{Digest, Sha256};
 
-/// What donut writes with these options, which are separated by blanks.
 fn output_of(options: &str) -> String {
     let donut = Program::start(env!("CARGO_BIN_EXE_donut"), options, Stdio::piped());
     let (code, written, message) = donut.output();

@@ -9,12 +9,15 @@ use std::time::Duration;
 /// More than any test reads. Without a limit, a program that never stops writing would fill the memory.
 pub const MOST_BYTES: u64 = 20_000_000;
 
+/// How long to wait for something that has to happen, even on a busy machine.
+pub const MINUTE: Duration = Duration::from_secs(60);
+
 /// Runs this in a thread. The test fails if it takes more than a minute, as it does if a program hangs.
 pub fn within_a_minute<T: Send + 'static>(run: impl FnOnce() -> T + Send + 'static) -> T {
     let (sender, receiver) = mpsc::channel();
     thread::spawn(move || sender.send(run()));
-    let result = receiver.recv_timeout(Duration::from_secs(60));
-    result.expect("no panic above, and no program that hangs")
+    let result = receiver.recv_timeout(MINUTE);
+    result.expect("there is a panic above, or something hangs")
 }
 
 /// A program that is killed if its test ends before it.

@@ -1,27 +1,20 @@
 //! A program on a pseudo-terminal, and the screen that a person would see.
 
-#[path = "../program/mod.rs"]
-pub mod program;
-
 use std::cell::RefCell;
-use std::fs::File;
-use std::io::{self, Read, Write};
+use std::fs::{File, read_dir, read_to_string};
+use std::io::{Read, Write};
 use std::num::NonZeroU16;
-use std::process::Command;
-use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
-use std::sync::{Arc, Mutex, mpsc};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, SlavePty, native_pty_system};
-use program::within_a_minute;
 use rustix::fs::{self, Mode, OFlags};
-use rustix::process::{Pid, Signal, kill_process, kill_process_group};
+use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, kill_process_group, setrlimit};
 use rustix::termios;
 use vt100::{Parser, Screen};
 
-/// How long to wait for something that has to happen, even on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(60);
+use super::program::{MINUTE, within_a_minute};
 
 pub struct Pty {
     /// The side of the terminal that the person sees. `None` after the person has hung up.
@@ -35,7 +28,7 @@ pub struct Pty {
     settings: String,
 }
 
-/// A terminal that, as Vim's, has room for one saved cursor: each `ESC[?1049h` overwrites it. vt100 saves
+/// A terminal that, like Vim's, has room for one saved cursor: each `ESC[?1049h` overwrites it. vt100 saves
 /// one for each screen, and does not know code 1047, which switches screens without saving a cursor.
 struct Seen {
     terminal: Parser,
@@ -45,6 +38,8 @@ struct Seen {
 
 impl Seen {
     fn add(&mut self, bytes: &[u8]) {
+        assert!(self.bytes.len() < 50_000_000, "the program does not stop writing");
+        // A code that ends in h or l is taken apart, to know the cursor before it takes effect.
         for part in bytes.split_inclusive(|&byte| byte == b'h' || byte == b'l') {
             let (last, start) = part.split_last().unwrap();
             self.terminal.process(start);
@@ -63,11 +58,12 @@ impl Seen {
     }
 }
 
-/// The child of a process, as `ps` sees it.
 pub struct Job {
     pub pid: Pid,
     pub is_stopped: bool,
     pub is_in_foreground: bool,
+    /// The processor time so far, of the user and of the system, in hundredths of a second.
+    pub ticks: [u32; 2],
 }
 
 /// A terminal's modes and special characters.
@@ -102,43 +98,48 @@ impl Pty {
 
     /// Begins to read what the program writes: `bytes` at a time, and then a pause.
     pub fn start_reading(&self, bytes: usize, pause: Duration) {
-        let (seen, mut reader) = (self.seen.clone(), self.master().try_clone_reader().unwrap());
+        let mut reader = self.master().try_clone_reader().unwrap();
+        let seen = Arc::downgrade(&self.seen);
         thread::spawn(move || {
-            while let Ok(1..) = Pty::read_once(&seen, &mut reader, bytes) {
+            while seen.upgrade().is_some_and(|seen| Pty::read_once(&seen, &mut reader, bytes) > 0) {
                 thread::sleep(pause);
             }
         });
     }
 
-    /// Writes to the terminal, as another program might, so many bytes at a time, until the result is called.
+    /// Writes to the terminal, as another program might, until the result is called or dropped.
     pub fn start_writing(&self, bytes: usize) -> impl FnOnce() + use<> {
-        let (mut terminal, is_over) = (self.open(), Arc::new(AtomicBool::new(false)));
-        let is_stopped = is_over.clone();
+        let (mut terminal, is_wanted) = (self.open(), Arc::new(()));
+        let wanted = Arc::downgrade(&is_wanted);
         let writer = thread::spawn(move || {
-            while !is_stopped.load(SeqCst) {
+            while wanted.strong_count() > 0 {
                 terminal.write_all(&vec![0; bytes]).unwrap();
             }
         });
         move || {
-            is_over.store(true, SeqCst);
+            drop(is_wanted);
             writer.join().unwrap();
         }
     }
 
     /// Reads what the program writes until something comes true, and then no more.
     pub fn read_until(&self, is_true: impl Fn(&Pty) -> bool) {
-        while !is_true(self) {
-            let (seen, mut reader) = (self.seen.clone(), self.master().try_clone_reader().unwrap());
+        self.wait_for("what is read", |pty| {
+            let (seen, mut reader) = (pty.seen.clone(), pty.master().try_clone_reader().unwrap());
             let read = move || Pty::read_once(&seen, &mut reader, 1000);
-            assert_ne!(within_a_minute(read).unwrap(), 0);
-        }
+            is_true(pty) || {
+                assert_ne!(within_a_minute(read), 0, "nobody can write any more");
+                false
+            }
+        });
     }
 
-    fn read_once(seen: &Mutex<Seen>, reader: &mut dyn Read, bytes: usize) -> io::Result<usize> {
+    /// How many bytes have been read. 0 if nobody can write any more.
+    fn read_once(seen: &Mutex<Seen>, reader: &mut dyn Read, bytes: usize) -> usize {
         let mut buffer = vec![0; bytes];
-        let count = reader.read(&mut buffer)?;
+        let count = reader.read(&mut buffer).unwrap_or(0);
         seen.lock().unwrap().add(&buffer[..count]);
-        Ok(count)
+        count
     }
 
     /// Runs a program on a terminal that does not read its output, until `start_reading` is called.
@@ -151,6 +152,8 @@ impl Pty {
         command.args(arguments);
         // By default, this would be the home folder, which a build machine may lack.
         command.cwd("/");
+        // SIGQUIT must not leave a core file there.
+        let _ = setrlimit(Resource::Core, Rlimit { current: Some(0), maximum: Some(0) });
         // The shells have to speak English, and must not write to anybody's history.
         for (name, value) in [("TERM", "xterm"), ("LC_ALL", "C"), ("HISTFILE", "")] {
             command.env(name, value);
@@ -177,15 +180,9 @@ impl Pty {
 
     /// Types on the keyboard. If the program reads no keys, the terminal eventually accepts no more; then
     /// this panics.
-    #[track_caller]
     pub fn type_bytes(&self, bytes: &[u8]) {
         let (keys, bytes) = (self.keys.clone().unwrap(), bytes.to_vec());
-        let (done, is_done) = mpsc::channel();
-        thread::spawn(move || {
-            let mut keys = keys.lock().unwrap();
-            done.send(keys.write_all(&bytes).and_then(|()| keys.flush()))
-        });
-        is_done.recv_timeout(PATIENCE).expect("the program reads no more keys").unwrap();
+        within_a_minute(move || keys.lock().unwrap().write_all(&bytes)).unwrap();
     }
 
     pub fn resize(&self, size: (u16, u16)) {
@@ -195,12 +192,7 @@ impl Pty {
         self.master().resize(pty_size(size)).unwrap();
     }
 
-    /// Puts something on the screen. Terminals may do so when they rearrange the screen for a new size.
-    pub fn scribble(&self) {
-        self.seen.lock().unwrap().terminal.process(b"\x1b[2;1Hscribble\x1b[22;1Hscribble");
-    }
-
-    /// Closes the terminal, as when its window is closed.
+    /// Closes the terminal, as when its window is closed. `start_reading` would keep it open.
     pub fn hang_up(&mut self) {
         self.keys = None;
         self.master = None;
@@ -216,27 +208,27 @@ impl Pty {
         kill_process_group(self.pid(), signal).unwrap();
     }
 
-    /// The child of this process. `None` if it has ended.
-    pub fn child_of(&self, parent: Pid) -> Option<Job> {
-        let path = self.path();
-        let columns = ["-o", "ppid=", "-o", "pid=", "-o", "pgid=", "-o", "tpgid=", "-o", "state="];
-        let terminal = ["-t", path.strip_prefix("/dev/").unwrap()];
-        let processes = Command::new("ps").args(terminal).args(columns).output().unwrap();
-        String::from_utf8(processes.stdout).unwrap().lines().find_map(|line| {
-            let [ppid, pid, pgid, tpgid, state] =
-                line.split_whitespace().collect::<Vec<_>>().try_into().ok()?;
-            let is_child = ppid == parent.as_raw_pid().to_string() && !state.starts_with('Z');
+    /// The child of a process. `None` if it has ended.
+    pub fn child_of(parent: Pid) -> Option<Job> {
+        read_dir("/proc").unwrap().flatten().find_map(|process| {
+            let stat = read_to_string(process.path().join("stat")).ok()?;
+            // A number, a name in parentheses, the state, and more numbers: see `man 5 proc`.
+            let (pid, rest) = stat.split_once(" (")?;
+            let (_, rest) = rest.rsplit_once(") ")?;
+            let fields: Vec<_> = rest.split(' ').collect();
+            let is_child = fields[1] == parent.to_string() && fields[0] != "Z";
             is_child.then(|| Job {
                 pid: Pid::from_raw(pid.parse().unwrap()).unwrap(),
-                is_stopped: state.starts_with('T'),
-                is_in_foreground: pgid == tpgid,
+                is_stopped: fields[0] == "T",
+                is_in_foreground: fields[2] == fields[5],
+                ticks: [fields[11], fields[12]].map(|ticks| ticks.parse().unwrap()),
             })
         })
     }
 
     /// The process that the program runs: for a shell, its job. `None` if it has ended.
     pub fn job(&self) -> Option<Job> {
-        self.child_of(self.pid())
+        Pty::child_of(self.pid())
     }
 
     /// Whether the process that the program runs is stopped.
@@ -290,8 +282,8 @@ impl Pty {
     pub fn wait_for(&self, what: &str, is_true: impl Fn(&Pty) -> bool) {
         let start = Instant::now();
         while !is_true(self) {
-            let lines = self.lines().join("\n");
-            assert!(start.elapsed() < PATIENCE, "{what} never came true:\n{lines}");
+            let is_late = start.elapsed() > MINUTE;
+            assert!(!is_late, "{what} never came true:\n{}", self.lines().join("\n"));
             thread::sleep(Duration::from_millis(5));
         }
     }
@@ -348,15 +340,11 @@ impl Pty {
 
     #[track_caller]
     pub fn assert_settings_restored(&self) {
-        assert_eq!(self.settings(), self.settings);
+        assert_eq!(settings(&self.open()), self.settings);
     }
 
     pub fn has_changed_settings(&self) -> bool {
-        self.settings() != self.settings
-    }
-
-    pub fn settings(&self) -> String {
-        settings(&self.open())
+        settings(&self.open()) != self.settings
     }
 }
 

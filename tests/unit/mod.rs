@@ -3,19 +3,23 @@
 //! This file has what several of them need: stored files, views, poses, and the comparison of a picture
 //! with what the oracle sees.
 
+mod angles;
 mod chart;
 mod classic;
-mod clock;
 mod dist;
 mod exact;
 mod keys;
 mod oracle;
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 mod panic;
+#[path = "../program/mod.rs"]
+#[allow(dead_code, reason = "these tests do not run the program")]
+mod program;
 
 use super::*;
-use clock::FROZEN;
+use angles::FROZEN;
 use oracle::{Oracle, Verdict, differ, level_of};
+use program::within_a_minute;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fs;
 
@@ -38,8 +42,7 @@ fn assert_current(name: &str, contents: &str) {
     assert!(read(name) == contents, "{name} is stale: run UPDATE=1 cargo test, and commit it");
 }
 
-/// donut.c's view, with each cell divided into `scale` by `scale` cells. The program itself draws this
-/// view only at a scale of 1. Otherwise it fits the donut to the picture, as `fitted` does.
+/// donut.c's view, with each cell divided into `scale` by `scale` cells.
 fn enlarged(scale: usize) -> View {
     let View { r2, k2, width, height, .. } = View::DONUT_C;
     let [cx, cy, k1x, k1y] = [40.0, 12.0, 30.0, 15.0].map(|value| scale as f64 * value);
@@ -143,10 +146,13 @@ fn add_pictures(tallies: &mut [Tally], view: &View, (a, b): (f64, f64), pictures
 
 /// Draws the donut by exact at each pair of angles A and B, and lets the oracle judge every cell.
 fn compare(view: View, poses: &[(f64, f64)]) -> Tally {
-    let mut tally = Tally::default();
-    for &(a, b) in poses {
-        let picture = draw(Method::Exact, view, a, b);
-        add_pictures(std::slice::from_mut(&mut tally), &view, (a, b), &[picture]);
-    }
-    tally
+    let poses = poses.to_vec();
+    within_a_minute(move || {
+        let mut tally = [Tally::default()];
+        for (a, b) in poses {
+            add_pictures(&mut tally, &view, (a, b), &[draw(Method::Exact, view, a, b)]);
+        }
+        let [tally] = tally;
+        tally
+    })
 }
