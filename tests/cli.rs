@@ -3,12 +3,12 @@
 mod program;
 
 use std::collections::BTreeSet;
-use std::io::{Read, read_to_string};
+use std::io::Read;
 use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use program::{MOST_BYTES, Program, frames, within_a_minute};
+use program::{Program, frames, within_a_minute};
 use proptest::prelude::*;
 
 fn start(options: &str, stdout: impl Into<Stdio>) -> Program {
@@ -188,9 +188,9 @@ fn a_nonblocking_pipe_gets_every_byte_all_the_same() {
     writer.set_nonblocking(true).unwrap();
     let donut = start("--frames=300 --fps=0", OwnedFd::from(writer));
     sleep(Duration::from_millis(300));
-    let stream = within_a_minute(|| read_to_string(reader.take(MOST_BYTES))).unwrap();
+    let stream = within_a_minute(|| std::io::read_to_string(reader.take(program::MOST_BYTES)));
     result(donut).unwrap();
-    assert_eq!(stream.len(), 4 + 300 * 1764);
+    assert_eq!(stream.unwrap().len(), 4 + 300 * 1764);
 }
 
 /// Reads frame 0, pauses, and returns how long it takes to read `count` more frames of `size` cells.
