@@ -745,8 +745,8 @@ fn jobs_give_the_terminal_back_and_take_it_again() {
         bash | STILL & | nothing kill end says=Terminated shell
         bash | STILL   | picture ^Z stopped kill end says=Terminated shell
         bash | STILL   | picture ^Z stopped shell bg nothing kill end says=Terminated shell
-        bash | STILL   | picture STOP stopped says=Stopped kill end shell
-        bash | STILL   | picture STOP stopped says=Stopped bg shell nothing kill end shell
+        bash | STILL   | picture STOP stopped says=Stopped kill end says=Terminated shell
+        bash | STILL   | picture STOP stopped says=Stopped bg shell nothing kill end says=Terminated shell
 
         # Without job control, a script runs the donut in the script's own job, and may end before it.
         bash | sh -c 'STILL & exec sleep 100' | picture TERM shell prompt nothing
