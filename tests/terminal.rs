@@ -53,8 +53,7 @@ fn run_in_sh(line: &str) -> Pty {
     Pty::run("sh", &["-c", &command(line)], SIZE)
 }
 
-/// Types a command line into an interactive shell, which has job control. `None` if the shell is not
-/// installed: then the test skips it.
+/// Types a command line into an interactive shell, which has job control. `None` if it is not installed.
 fn run_as_job(shell: &str, line: &str) -> Option<Pty> {
     if !is_possible(&format!("{shell} -c :")) {
         return None;

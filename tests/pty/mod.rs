@@ -178,8 +178,7 @@ impl Pty {
         self.master.as_deref().unwrap()
     }
 
-    /// Types on the keyboard. If the program reads no keys, the terminal eventually accepts no more; then
-    /// this panics.
+    /// Types on the keyboard. This panics if the program reads no keys until the terminal takes no more.
     pub fn type_bytes(&self, bytes: &[u8]) {
         let (keys, bytes) = (self.keys.clone().unwrap(), bytes.to_vec());
         within_a_minute(move || keys.lock().unwrap().write_all(&bytes)).unwrap();
@@ -324,8 +323,7 @@ impl Pty {
         })
     }
 
-    /// Asserts that cursor, screen, colour, synchronized updates and settings are as they were before
-    /// the program started.
+    /// Asserts that cursor, screen, colour, synchronized updates and settings are as they were at the start.
     #[track_caller]
     pub fn assert_restored(&self) {
         let (hidden, alternate) = self.screen(|s| (s.hide_cursor(), s.alternate_screen()));

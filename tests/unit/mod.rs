@@ -91,9 +91,11 @@ fn renderer(view: View, method: Method) -> Renderer {
 }
 
 fn draw(method: Method, view: View, a: f64, b: f64) -> Vec<u8> {
-    let mut renderer = renderer(view, method);
-    renderer.render_frame(a, b);
-    renderer.framebuffer
+    within_a_minute(move || {
+        let mut renderer = renderer(view, method);
+        renderer.render_frame(a, b);
+        renderer.framebuffer
+    })
 }
 
 /// Counts the cells of pictures: all, those in which the oracle sees the donut, and those of each of its
@@ -133,8 +135,7 @@ impl Tally {
     }
 }
 
-/// Lets the oracle judge every cell of several pictures of the donut, turned by A and B. Each picture has a
-/// tally of its own.
+/// Lets the oracle judge every cell of several pictures of one pose. Each picture has a tally of its own.
 fn add_pictures(tallies: &mut [Tally], view: &View, (a, b): (f64, f64), pictures: &[Vec<u8>]) {
     let oracle = Oracle::new(view.r2, view.k2, a, b);
     for (cell, (dx, dy), light) in cells(view, &oracle) {
@@ -146,13 +147,10 @@ fn add_pictures(tallies: &mut [Tally], view: &View, (a, b): (f64, f64), pictures
 
 /// Draws the donut by exact at each pair of angles A and B, and lets the oracle judge every cell.
 fn compare(view: View, poses: &[(f64, f64)]) -> Tally {
-    let poses = poses.to_vec();
-    within_a_minute(move || {
-        let mut tally = [Tally::default()];
-        for (a, b) in poses {
-            add_pictures(&mut tally, &view, (a, b), &[draw(Method::Exact, view, a, b)]);
-        }
-        let [tally] = tally;
-        tally
-    })
+    let mut tally = Tally::default();
+    for &(a, b) in poses {
+        let picture = draw(Method::Exact, view, a, b);
+        add_pictures(std::slice::from_mut(&mut tally), &view, (a, b), &[picture]);
+    }
+    tally
 }

@@ -11,9 +11,8 @@ use self::other_methods::*;
 use super::classic::{donut_c, with_steps};
 use super::*;
 
-/// A method of this program, or another one to compare it with: its name, and how it draws the donut, turned
-/// by A and B.
-type NamedMethod = (String, Box<dyn FnMut(f64, f64) -> Vec<u8>>);
+/// A method of this program, or another one to compare it with: its name, and how it draws a pose.
+type NamedMethod = (String, Box<dyn FnMut(f64, f64) -> Vec<u8> + Send>);
 
 const TABLE: &str = "tests/chart/speed-and-accuracy.csv";
 
@@ -35,7 +34,7 @@ fn own_method(name: &str, mut renderer: Renderer) -> NamedMethod {
 fn tracing<const N: usize>(
     name: &str,
     view: View,
-    first_hits: impl Fn(&Torus, &[Ray; N]) -> [f64; N] + 'static,
+    first_hits: impl Fn(&Torus, &[Ray; N]) -> [f64; N] + Send + 'static,
 ) -> NamedMethod {
     let mut renderer = Renderer::new(view, Method::Exact);
     let draw = move |a, b| {
@@ -47,7 +46,11 @@ fn tracing<const N: usize>(
 }
 
 /// A method that follows one ray after another. `hit` finds the s of a ray's first hit.
-fn ray_by_ray(name: &str, view: View, hit: impl Fn(&Torus, &Ray) -> f64 + 'static) -> NamedMethod {
+fn ray_by_ray(
+    name: &str,
+    view: View,
+    hit: impl Fn(&Torus, &Ray) -> f64 + Send + 'static,
+) -> NamedMethod {
     tracing(name, view, move |torus, [ray]| [hit(torus, ray)])
 }
 
@@ -80,12 +83,15 @@ fn methods() -> Vec<NamedMethod> {
 
 /// The name of each method, and its tally in these poses.
 fn count(mut methods: Vec<NamedMethod>, view: &View, poses: &[(f64, f64)]) -> Vec<(String, Tally)> {
-    let mut tallies: Vec<_> = methods.iter().map(|_| Tally::default()).collect();
-    for &(a, b) in poses {
-        let pictures: Vec<_> = methods.iter_mut().map(|(_, draw)| draw(a, b)).collect();
-        add_pictures(&mut tallies, view, (a, b), &pictures);
-    }
-    methods.into_iter().map(|(name, _)| name).zip(tallies).collect()
+    let (view, poses) = (*view, poses.to_vec());
+    within_a_minute(move || {
+        let mut tallies: Vec<_> = methods.iter().map(|_| Tally::default()).collect();
+        for (a, b) in poses {
+            let pictures: Vec<_> = methods.iter_mut().map(|(_, draw)| draw(a, b)).collect();
+            add_pictures(&mut tallies, &view, (a, b), &pictures);
+        }
+        methods.into_iter().map(|(name, _)| name).zip(tallies).collect()
+    })
 }
 
 /// The name of each method, and the last columns of its row in TABLE.
@@ -250,8 +256,7 @@ fn the_readmes_table_has_the_wrong_cells_where_methods_fail() {
 }
 
 /// The figures in the README's text. In its words, `#` stands for a figure, which must be this value, rounded
-/// to as many decimals as the README gives it. After "about" it may be a tenth more or less, because times
-/// differ from one run to the next.
+/// to as many decimals as the README gives it. After "about" it may be a tenth off, because times differ.
 #[test]
 fn the_readmes_figures_are_those_measured() {
     let ratio = |slow, fast| measured(slow)[0] / measured(fast)[0];

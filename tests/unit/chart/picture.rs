@@ -2,7 +2,6 @@
 //! charts follow the page, which may be light or dark, and can be read even on a phone, 390 pixels wide.
 
 use super::*;
-
 use std::ops::Range;
 
 fn svg(title: &str, (width, height): (f64, f64), style: &str, contents: &str) -> String {
@@ -71,8 +70,7 @@ pub fn moving() -> String {
     svg(title, pixels(COLUMNS.len(), ROWS), &style, &format!("<g>\n{strip}</g>\n"))
 }
 
-/// One pose in both methods, side by side. The cells in which classic differs from exact have another
-/// colour.
+/// One pose in both methods, side by side. Where classic differs from exact, it has another colour.
 pub fn two_methods() -> String {
     /// The columns that are shown. (The rows from 15 on are below the donut.)
     const COLUMNS: Range<usize> = 6..37;
