@@ -607,7 +607,7 @@ fn step(pty: &Pty, step: &str) {
             }),
             // The exit code that the shell reports of its job.
             Some(("code", _)) => {
-                pty.wait_for("its end", |pty| pty.job().is_none());
+                self::step(pty, "end");
                 type_line(pty, "echo code=$?");
                 // A prompt may stand before the answer.
                 pty.wait_for(step, |pty| pty.lines().iter().any(|line| line.ends_with(step)));
