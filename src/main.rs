@@ -87,10 +87,10 @@ use std::io::{self, IsTerminal, Write};
 use std::ops::RangeInclusive;
 use std::process::{self, ExitCode};
 use std::str::FromStr;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 use std::time::{Duration, Instant};
-use std::{array, env, mem, panic, thread};
+use std::{array, env, panic, thread};
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
@@ -611,8 +611,8 @@ fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
 /// On a terminal the donut fills the window and spins until you press q. If the
 /// output goes to a pipe or a file, it is what donut.c writes, escape codes
 /// included. The size is then 80x22 unless you set another, and the donut spins
-/// until you press Ctrl-C or its reader goes away, or for as many frames as
-/// --frames says.
+/// until you press Ctrl-C or the reader of the pipe goes away, or for as many
+/// frames as --frames says.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`. Angles may be
@@ -728,7 +728,7 @@ const SIZES: RangeInclusive<u16> = 1..=4096;
 const ANGLES: RangeInclusive<f64> = -1e3..=1e3;
 /// Beyond these, the hole or the tube is too small to see in most pictures.
 const RING_RADII: RangeInclusive<f64> = 1.01..=30.0;
-/// The least K2, in units of 1 + R2. From there, a donut seen edge-on already fills 175 degrees of the view.
+/// The least K2 is this times 1 + R2. From there, a donut seen edge-on already fills 175 degrees of the view.
 const LEAST_DISTANCE: f64 = 1.001;
 
 /// A parser for the numbers in a range.
@@ -756,23 +756,25 @@ fn parse_color(text: &str) -> Result<Color, String> {
         let [r, g, b] = [0, 2, 4].map(|i| u8::from_str_radix(&hex[i..i + 2], 16).unwrap());
         return Ok(Color::Rgb { r, g, b });
     }
-    let number = text.parse().ok().map(Color::AnsiValue);
+    if let Ok(number) = text.parse() {
+        return Ok(Color::AnsiValue(number));
+    }
     let name = text.to_lowercase().replace("gray", "grey");
-    let named = Color::try_from(name.as_str()).ok().filter(|&color| color != Color::Reset);
-    number.or(named).ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
+    let color = Color::try_from(name.as_str()).ok().filter(|&color| color != Color::Reset);
+    color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
 }
 
 impl Options {
-    /// What is wrong with the values of --k2 and --method, which depend on other options.
+    /// What is wrong with values that are allowed one by one, but not together.
     fn conflict(&self) -> Option<String> {
         let &Options { method, r2, k2, .. } = self;
         // Rounded up to six decimals, so that a user can type what the message shows.
         let least = (1e6 * LEAST_DISTANCE * (1.0 + r2)).ceil() / 1e6;
-        if !(least..=1e6).contains(&k2) {
+        if !(least..=1_000_000.0).contains(&k2) {
             let rule = format!("{LEAST_DISTANCE} times the sum of 1 and --r2");
             Some(format!("--k2 is {k2}, but must be from {least} ({rule}) to 1000000"))
         } else if method == Some(Method::Classic) && (r2, k2) != (2.0, 5.0) {
-            // The steps of `classic` suit donut.c's ring, seen from its distance: see `angle_steps`.
+            // With other lengths, the steps of `classic` may be too long: see `angle_steps`.
             Some(format!("--method classic needs --r2 2 and --k2 5, but these are {r2} and {k2}"))
         } else {
             None
@@ -781,8 +783,6 @@ impl Options {
 
     /// A renderer for a picture of the size that the options ask for. `terminal_size` is the terminal's
     /// columns and rows, which limit that size, or `None` where standard output is not a terminal.
-    ///
-    /// Without --method, donut.c's own picture is `Classic`, and any other `Exact`.
     fn renderer(&self, terminal_size: Option<(u16, u16)>) -> Renderer {
         let (width, height) = match terminal_size {
             None => (self.width.unwrap_or(80), self.height.unwrap_or(22)),
@@ -792,9 +792,17 @@ impl Options {
                 (self.width.unwrap_or(columns).min(columns), self.height.unwrap_or(rows).min(rows))
             }
         };
-        let view = View::new(width.into(), height.into(), self.aspect, self.r2, self.k2);
+        // A terminal may be larger than the largest picture.
+        let [width, height] = [width, height].map(|size| size.min(*SIZES.end()).into());
+        let view = View::new(width, height, self.aspect, self.r2, self.k2);
         let default = if view == View::DONUT_C { Method::Classic } else { Method::Exact };
         Renderer::new(view, self.method.unwrap_or(default))
+    }
+
+    /// The time from one frame to the next: none if --fps is 0.
+    fn interval(&self) -> Duration {
+        // If --fps is tiny, a Duration cannot hold so many seconds. 1e9 of them, nearly 32 years, will do.
+        Duration::from_secs_f64(if self.fps > 0.0 { f64::min(1.0 / self.fps, 1e9) } else { 0.0 })
     }
 }
 
@@ -830,99 +838,99 @@ fn main() -> ExitCode {
     }
 }
 
-/// Spins the donut until the last frame is drawn, a key or a signal ends it, or its reader goes away.
+/// Spins the donut until the last frame is drawn, a key or a signal ends it, or its output cannot be written.
 fn run(options: &Options) -> io::Result<()> {
-    let console = Console::open(options)?;
-    let played = play(options, console);
-    let restored = console.leave();
-    // When a terminal closes, it causes both a signal, SIGHUP, and errors. The signal counts.
-    console.end_if_signalled();
-    played.and(restored)
+    style::force_color_output(true); // --color is explicit, so it overrides NO_COLOR.
+    let (file, is_terminal) = system::open_output()?;
+    let output = Output { file, is_terminal, color: options.color };
+    if !is_terminal {
+        return play(options, &output, None);
+    }
+    let terminal = Terminal::new(output, options)?;
+    let played = play(options, &terminal.output, Some(terminal));
+    let result = played.and(terminal.leave());
+    if result.is_err() {
+        // A terminal that closes causes this error, and a moment later SIGHUP, by which to end.
+        thread::sleep(TICK);
+    }
+    terminal.end_if_signalled();
+    result
 }
 
-/// donut.c's `for (;;)`. On a terminal, each iteration first takes care of signals, keys and a new size. Then
-/// it draws the next frame if that is due, or draws the same frame again if a key or a new size asks for it.
-/// As it sleeps for a TICK at most, most iterations draw nothing while the donut is paused, or at a low frame
-/// rate.
-fn play(options: &Options, console: &Console) -> io::Result<()> {
-    // The time from one frame to the next: none if fps is 0. A Duration cannot hold 1 / fps seconds if fps is
-    // tiny. 1e9 seconds, nearly 32 years, will do.
-    let seconds = if options.fps == 0.0 { 0.0 } else { (1.0 / options.fps).min(1e9) };
-    let interval = Duration::from_secs_f64(seconds);
-    let mut due = Instant::now();
-    let mut frame_count = 0;
+/// donut.c's `for (;;)`. On a terminal, each iteration first takes care of signals, the size and the keys. It
+/// draws a frame if the next one is due, or if a key or a new size asks for the same one again. As it sleeps
+/// for a TICK at most, most iterations draw nothing while the donut is paused, or at a low frame rate.
+fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::Result<()> {
+    let mut renderer = options.renderer(None);
+    let mut terminal_size = None;
+    let mut clear = true; // donut.c, too, begins by clearing the screen.
+    let mut key_reader = KeyReader::new();
+    let (mut is_paused, mut is_shaded) = (false, true);
+
     let mut angles = [options.a, options.b];
-
-    let mut terminal_size = console.size()?;
-    let mut renderer = options.renderer(terminal_size);
-
-    let mut key_reader = KeyReader { code: Code::Nothing, last_arrival: Instant::now() };
-    let mut is_paused = false;
-    let mut is_shaded = true;
+    let mut next = angles;
+    let mut frame_count = 0;
+    let mut due = Instant::now();
 
     'main_loop: while options.frames.is_none_or(|frames| frame_count < frames) {
         let until_due = due.saturating_duration_since(Instant::now());
         thread::sleep(if is_paused { TICK } else { until_due.min(TICK) });
 
-        // While the program was stopped, another one may have changed the screen and the settings. So leave
-        // the terminal, and let `enter` below set everything up anew.
-        if console.was_continued.swap(false, SeqCst) {
-            console.leave()?;
-        }
-        console.wait_for_foreground()?;
-        if console.is_ending() {
-            break;
-        }
-        let just_entered = console.enter()?;
-
-        let new_size = console.size()?;
-        let is_resized = new_size != terminal_size;
-        if is_resized {
-            terminal_size = new_size;
-            renderer = options.renderer(terminal_size);
-        }
-
         let was_shaded = is_shaded;
-        for key in key_reader.keys(&console.read()) {
-            match key {
-                b'q' | ESCAPE => return Ok(()),
-                b'p' => is_paused = !is_paused,
-                b' ' => is_shaded = !is_shaded,
-                CTRL_Z => {
-                    console.leave()?;
-                    system::suspend_job();
-                    continue 'main_loop; // The keys after Ctrl-Z are dropped.
+        if let Some(terminal) = terminal {
+            if terminal.end_signal.get().is_some() {
+                break;
+            }
+            if terminal.is_in_background() {
+                terminal.leave()?;
+                thread::sleep(TICK);
+                continue;
+            }
+            clear |= terminal.enter()?;
+            let size = Some(terminal.size()?);
+            if size != terminal_size {
+                (terminal_size, clear) = (size, true);
+                renderer = options.renderer(size);
+            }
+            for key in key_reader.keys(&terminal.read()) {
+                match key {
+                    b'q' | b'Q' | ESCAPE => return Ok(()),
+                    b'p' | b'P' => is_paused = !is_paused,
+                    b' ' => is_shaded = !is_shaded,
+                    CTRL_Z => {
+                        terminal.leave()?;
+                        system::suspend_job();
+                        continue 'main_loop; // The keys after Ctrl-Z are dropped.
+                    }
+                    _ => {}
                 }
-                _ => {}
             }
         }
 
         let is_due = !is_paused && due <= Instant::now();
         if is_due {
-            // The first frame shows the starting angles.
-            if frame_count > 0 {
-                angles = next_angles(renderer.method, angles, options.spin);
-            }
+            angles = next;
+            next = next_angles(renderer.method, angles, options.spin);
             frame_count += 1;
             // Each frame is due one interval after the one before was due, so that delays do not add up. But
             // after a stall, the next is due now, so that the missed frames do not come in a burst.
-            due = (due + interval).max(Instant::now());
+            due = (due + options.interval()).max(Instant::now());
         }
-        let clear = just_entered || is_resized;
         if is_due || clear || is_shaded != was_shaded {
             renderer.render_frame(angles[0], angles[1]);
             if !is_shaded {
                 renderer.flatten();
             }
-            console.show(&renderer, clear)?;
+            output.show(&renderer, clear)?;
+            clear = false;
         }
     }
     Ok(())
 }
 
 /// The angles A and B of the next frame. donut.c keeps its angles in variables of type `float`, so each of
-/// its sums is rounded, and the errors add up. After nine days of its spin at 30 frames a second, the sums no
-/// longer change, and the donut stands still. `Classic` has to make the very same errors.
+/// its sums is rounded, and the errors add up, until its donut stands still. `Classic` has to make the very
+/// same errors.
 fn next_angles(method: Method, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| match method {
         Method::Classic => add_step(angles[i] as f32, spin[i]).into(),
@@ -932,168 +940,15 @@ fn next_angles(method: Method, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-/// Standard output, and what must be remembered in order to leave a terminal as it was.
-struct Console {
-    /// The terminal of standard output, opened once more; or standard output itself, a pipe or a file.
+/// Where the frames go: a terminal, or else a pipe, a file or a device.
+struct Output {
     file: File,
     is_terminal: bool,
-    /// With --frames there is no alternate screen, because the last frame has to stay.
-    has_alternate_screen: bool,
     color: Option<Color>,
-    /// The terminal's settings when the program first entered it. They are saved only once: after a stop,
-    /// some shells leave this program's own settings in place.
-    settings: OnceLock<system::Settings>,
-    /// Whether the program has entered the terminal and not left it since. A thread holds the lock while it
-    /// discards output, sets this to false, or ends the program by a signal: see `enforce_end`.
-    is_entered: Mutex<bool>,
-    /// How often output has been discarded.
-    discard_count: AtomicUsize,
-    /// The number of the signal that asks the program to end, or 0.
-    end_signal: Arc<AtomicUsize>,
-    /// Whether the program was stopped and has been continued since: the handler of SIGCONT sets this.
-    was_continued: Arc<AtomicBool>,
 }
 
-impl Console {
-    /// Opens the console for the rest of the program's life, because the handlers of signals and panics
-    /// use it.
-    fn open(options: &Options) -> io::Result<&'static Console> {
-        let (file, is_terminal) = system::open_output()?;
-        if is_terminal && env::var_os("TERM").is_some_and(|term| term == "dumb") {
-            return Err(io::Error::other("TERM is dumb, but the picture needs escape codes"));
-        }
-        style::force_color_output(true); // --color is explicit, so it overrides NO_COLOR.
-        let console: &Console = Box::leak(Box::new(Console {
-            file,
-            is_terminal,
-            has_alternate_screen: options.frames.is_none(),
-            color: options.color,
-            settings: OnceLock::new(),
-            is_entered: Mutex::new(false),
-            discard_count: AtomicUsize::new(0),
-            end_signal: Arc::default(),
-            was_continued: Arc::default(),
-        }));
-        if is_terminal {
-            let previous_hook = panic::take_hook();
-            panic::set_hook(Box::new(move |info| {
-                let _ = console.leave();
-                previous_hook(info);
-            }));
-            // 2 is SIGINT, which Ctrl-C sends. ctrlc works on Windows, too.
-            ctrlc::set_handler(|| console.enforce_end(2)).map_err(io::Error::other)?;
-            #[cfg(unix)]
-            system::catch_signals(console)?;
-        }
-        Ok(console)
-    }
-
-    /// Enters the terminal, unless the program has entered it already. Returns whether it did so just now:
-    /// if so, the screen has to be cleared. In a pipe, the first call returns true, because donut.c also
-    /// begins by clearing the screen.
-    fn enter(&self) -> io::Result<bool> {
-        let was_entered = mem::replace(&mut *self.is_entered.lock().unwrap(), true);
-        if !was_entered && self.is_terminal {
-            system::set_cbreak_mode(&self.file, &self.settings);
-            let mut bytes = Vec::new();
-            if self.has_alternate_screen {
-                queue!(bytes, EnterAlternateScreen)?;
-            }
-            queue!(bytes, Hide)?;
-            self.write(&bytes)?;
-        }
-        Ok(!was_entered)
-    }
-
-    /// Leaves the terminal as it was first found, if the program has entered it.
-    fn leave(&self) -> io::Result<()> {
-        if !self.is_terminal || !*self.is_entered.lock().unwrap() {
-            return Ok(());
-        }
-        let mut bytes = Vec::new();
-        // A signal may have cut a frame short, in the middle of a row.
-        queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
-        if self.has_alternate_screen {
-            // The alternate screen is cleared, because after a change of size, tmux would copy some of it
-            // into the shell's screen. Code 1047 comes first, because another program may have switched to
-            // the shell's screen during a stop, which must not be cleared. (`EnterAlternateScreen`, which is
-            // code 1049, would also save the cursor: in some terminals, over the one that `enter` saved.)
-            queue!(bytes, Print("\x1b[?1047h"), Clear(ClearType::All), LeaveAlternateScreen)?;
-        }
-        // After a signal, `enforce_end` may discard output. If it did so since the bytes began to be written,
-        // write them again.
-        loop {
-            let discard_count = self.discard_count.load(SeqCst);
-            let written = self.write(&bytes);
-            let mut is_entered = self.is_entered.lock().unwrap();
-            if self.discard_count.load(SeqCst) == discard_count || written.is_err() {
-                *is_entered = false;
-                system::restore_settings(&self.file, &self.settings);
-                return written;
-            }
-        }
-    }
-
-    /// In the background, leaves the terminal, and waits until the program is in the foreground or a signal
-    /// asks it to end.
-    fn wait_for_foreground(&self) -> io::Result<()> {
-        while self.is_terminal && !system::is_in_foreground(&self.file) && !self.is_ending() {
-            self.leave()?;
-            thread::sleep(TICK);
-        }
-        Ok(())
-    }
-
-    /// Whether a signal has asked the program to end.
-    fn is_ending(&self) -> bool {
-        self.end_signal.load(SeqCst) != 0
-    }
-
-    /// If a signal has asked the program to end, ends the program by that signal, so that a shell, and a loop
-    /// or script that runs the program, can tell what ended it.
-    fn end_if_signalled(&self) {
-        let signal = self.end_signal.load(SeqCst) as i32;
-        if signal != 0 {
-            // While the lock is held, no other thread is in the middle of a discard.
-            let _lock = self.is_entered.lock();
-            system::raise(signal);
-            process::exit(128 + signal) // What a shell would say of a program that the signal ended.
-        }
-    }
-
-    /// Ends the program in about a second, unless the loop does so before. The threads that receive the
-    /// signals call this.
-    ///
-    /// The loop may be waiting to write, because the terminal takes no output, or because another program
-    /// writes there: Linux lets one program at a time write to a terminal. So after 100 ms, this makes room,
-    /// again and again, by discarding the output that the terminal has not taken yet.
-    ///
-    /// - A discard stops the terminal's output and restarts it. If the program ended in between, the output
-    ///   would stay stopped. So a thread holds the lock of `is_entered` while it discards, and while it ends
-    ///   the program.
-    /// - The bytes that restore the terminal must not be lost in a discard. So there is none after the
-    ///   program has left the terminal, and if there was one before, `leave` writes the bytes again.
-    fn enforce_end(&self, signal: i32) {
-        self.end_signal.store(signal as usize, SeqCst); // Only Ctrl-C's number is not there yet.
-        thread::sleep(Duration::from_millis(100));
-
-        // These pauses add up to a second. They grow, so that even on a busy machine, `leave` finds one in
-        // which it can write.
-        for pause in 1..45 {
-            let is_entered = self.is_entered.lock().unwrap();
-            if *is_entered {
-                system::discard_output(&self.file);
-                self.discard_count.fetch_add(1, SeqCst);
-            }
-            drop(is_entered);
-            thread::sleep(Duration::from_millis(pause));
-        }
-
-        system::restore_settings(&self.file, &self.settings); // For this, no room is needed.
-        self.end_if_signalled();
-    }
-
-    /// Writes a frame. `clear` says whether to clear the screen first.
+impl Output {
+    /// Writes the frame. `clear` says whether to clear the screen first.
     fn show(&self, renderer: &Renderer, clear: bool) -> io::Result<()> {
         let mut bytes = Vec::with_capacity(renderer.framebuffer.len() + 100);
         // A terminal that knows synchronized updates holds the output back until the end of the update, so
@@ -1123,8 +978,8 @@ impl Console {
         self.write(&bytes)
     }
 
-    /// Writes all bytes. (`write_all` would not wait for room in a pipe that another program has made
-    /// nonblocking.)
+    /// Writes all bytes, and waits until there is room for them. (`write_all` would fail in a pipe that
+    /// another program has made nonblocking.)
     fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
         let pause = Duration::from_millis(1);
         while !bytes.is_empty() {
@@ -1135,70 +990,161 @@ impl Console {
         }
         Ok(())
     }
+}
 
-    /// The columns and rows of the terminal, or `None` if there is none. A terminal that does not know its
-    /// size reports 0, and is taken for 80x24.
-    fn size(&self) -> io::Result<Option<(u16, u16)>> {
-        if !self.is_terminal {
-            return Ok(None);
+/// The terminal, and what must be remembered in order to leave it as it was.
+struct Terminal {
+    output: Output,
+    /// With --frames, the alternate screen is not used, because the last frame has to stay.
+    uses_alternate_screen: bool,
+    /// Whether the program has entered the terminal and not left it since.
+    is_entered: AtomicBool,
+    /// Whether the program was stopped and has been continued since.
+    was_continued: AtomicBool,
+    /// The signal that asks the program to end: the first, if several come.
+    end_signal: OnceLock<i32>,
+}
+
+impl Terminal {
+    /// Gets ready to enter the terminal. The result is kept for the rest of the program's life, because the
+    /// handlers of signals and panics use it.
+    fn new(output: Output, options: &Options) -> io::Result<&'static Terminal> {
+        if env::var_os("TERM").is_some_and(|term| term == "dumb") {
+            return Err(io::Error::other("TERM is dumb, but the picture needs escape codes"));
         }
-        let (columns, rows) = system::size(&self.file)?;
-        Ok(Some(if columns > 0 && rows > 0 { (columns, rows) } else { (80, 24) }))
+        let terminal: &Terminal = Box::leak(Box::new(Terminal {
+            output,
+            uses_alternate_screen: options.frames.is_none(),
+            is_entered: AtomicBool::new(false),
+            was_continued: AtomicBool::new(false),
+            end_signal: OnceLock::new(),
+        }));
+        let previous_hook = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            let _ = terminal.leave();
+            previous_hook(info);
+        }));
+        terminal.catch_signals()?;
+        Ok(terminal)
     }
 
-    /// What the terminal has sent since the last call.
-    fn read(&self) -> Vec<u8> {
-        if self.is_terminal { system::read(&self.file) } else { Vec::new() }
+    /// Enters the terminal, unless the program has entered it already. Returns whether it did so just now.
+    fn enter(&self) -> io::Result<bool> {
+        // While the program was stopped, another one may have changed the screen and the settings.
+        if self.was_continued.swap(false, SeqCst) {
+            self.leave()?;
+        }
+        if self.is_entered.swap(true, SeqCst) {
+            return Ok(false);
+        }
+        self.set_cbreak_mode();
+        let mut bytes = Vec::new();
+        if self.uses_alternate_screen {
+            queue!(bytes, EnterAlternateScreen)?;
+        }
+        queue!(bytes, Hide)?;
+        self.output.write(&bytes).and(Ok(true))
+    }
+
+    /// Leaves the terminal as it was first found, if the program has entered it.
+    fn leave(&self) -> io::Result<()> {
+        if !self.is_entered.load(SeqCst) {
+            return Ok(());
+        }
+        let mut bytes = Vec::new();
+        // A signal may have cut a frame short, in the middle of a row.
+        queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
+        if self.uses_alternate_screen {
+            // Otherwise, tmux would copy some of the alternate screen into the shell's after a change of size.
+            // Code 1047 makes sure that it is not the shell's screen that is cleared: during a stop, another
+            // program may have switched to that. (`EnterAlternateScreen`, which is code 1049, would also save
+            // the cursor: in some terminals, over the one that `enter` saved.)
+            queue!(bytes, Print("\x1b[?1047h"), Clear(ClearType::All), LeaveAlternateScreen)?;
+        }
+        let written = self.output.write(&bytes);
+        self.restore_settings();
+        // Only now: should there be a panic above, its hook leaves the terminal after all.
+        self.is_entered.store(false, SeqCst);
+        written
+    }
+
+    /// If a signal has asked the program to end, ends the program by that signal, so that a shell, and a loop
+    /// or script that runs the program, can tell what ended it.
+    fn end_if_signalled(&self) {
+        if let Some(&signal) = self.end_signal.get() {
+            system::raise(signal);
+            process::exit(128 + signal) // What a shell would say of a program that the signal ended.
+        }
+    }
+
+    /// What the threads that receive the signals do: asks the loop to end, and watches whether it does.
+    ///
+    /// The loop may be in the middle of a write. If another program is writing, the write gets its turn in the
+    /// end, and so does the one that restores the screen, because both wait for it. If the terminal takes no
+    /// more output, they would wait for ever. So after three seconds, this restores at least the settings,
+    /// which needs no room, and ends the program.
+    fn enforce_end(&self, signal: i32) {
+        let _ = self.end_signal.set(signal); // Fails if another signal came first.
+        thread::sleep(Duration::from_secs(3));
+        self.restore_settings();
+        self.end_if_signalled();
     }
 }
 
 /// Picks the single-byte keys out of what a terminal sends.
 ///
-/// An arrow key, for example, sends an escape code: an ESC and more bytes. The terminal's answer to a
-/// question of an earlier program is such a code as well, and may arrive late and in pieces. So each code is
-/// followed to its end, by the grammar of ECMA-48. A code that does not go on for a TICK is dropped; but if
-/// it is only an ESC, that is the Esc key. (As the loop may be late, a pause between two reads is no proof. A
-/// code is dropped only when a read finds no bytes.)
+/// An arrow key, for example, sends an escape code: an ESC and more bytes. So does the terminal's answer to a
+/// question of an earlier program, which may arrive late and in pieces. Each code is followed to its end, by
+/// the grammar of ECMA-48. If the rest of a code does not come within a TICK, the code is dropped; but if it
+/// is only an ESC, that is the Esc key. (The loop may be late itself. So the rest is missing only if, after a
+/// TICK, a read finds nothing.)
 struct KeyReader {
-    code: Code,
+    state: State,
     last_arrival: Instant,
 }
 
-/// What has come so far of an escape code.
+/// Where a `KeyReader` is in what the terminal sends.
 #[derive(Clone, Copy, PartialEq)]
-enum Code {
-    Nothing,
+enum State {
+    /// Between codes, where each byte is a key.
+    Ground,
+    /// After an ESC.
     Escape,
-    /// A control sequence, as arrow keys send it: ESC and [ or O. It ends with a byte from @ to ~.
-    Sequence,
-    /// A text, as a terminal answers with it: ESC and one of P X ] ^ _. It ends with BEL (7), or with another
-    /// code, ESC and a backslash.
-    Text,
+    /// After ESC and [ or O, as arrow keys send it. The sequence ends with a byte from @ to ~.
+    ControlSequence,
+    /// After ESC and one of P X ] ^ _, as a terminal's answers begin. The string ends with BEL (7), or with
+    /// another code, ESC and a backslash.
+    ControlString,
 }
 
 impl KeyReader {
+    fn new() -> KeyReader {
+        KeyReader { state: State::Ground, last_arrival: Instant::now() }
+    }
+
     /// The keys among these bytes, which are all that has come since the last call.
     fn keys(&mut self, bytes: &[u8]) -> Vec<u8> {
+        use State::*;
         let mut keys = Vec::new();
         if !bytes.is_empty() {
             self.last_arrival = Instant::now();
         } else if self.last_arrival.elapsed() >= TICK {
-            if self.code == Code::Escape {
+            if self.state == Escape {
                 keys.push(ESCAPE);
             }
-            self.code = Code::Nothing;
+            self.state = Ground;
         }
         for &byte in bytes {
-            if self.code == Code::Nothing && byte != ESCAPE {
+            if self.state == Ground && byte != ESCAPE {
                 keys.push(byte);
             }
-            self.code = match (self.code, byte) {
-                (_, ESCAPE) => Code::Escape,
-                (Code::Escape, b'[' | b'O') => Code::Sequence,
-                (Code::Escape, b'P' | b'X' | b']' | b'^' | b'_') => Code::Text,
-                (Code::Sequence, b'@'..=b'~') | (Code::Text, b'\x07') => Code::Nothing,
-                (Code::Escape, _) => Code::Nothing, // Alt and a key, for example.
-                (code, _) => code,
+            self.state = match (self.state, byte) {
+                (_, ESCAPE) => Escape,
+                (Escape, b'[' | b'O') => ControlSequence,
+                (Escape, b'P' | b'X' | b']' | b'^' | b'_') => ControlString,
+                (Escape, _) => Ground, // Alt and a key, for example.
+                (ControlSequence, b'@'..=b'~') | (ControlString, b'\x07') => Ground,
+                (state, _) => state,
             };
         }
         keys
@@ -1212,15 +1158,17 @@ mod system {
     use rustix::fs::{self, Mode, OFlags};
     use rustix::process::{Signal, getpgrp, kill_current_process_group};
     use rustix::termios::{
-        self, InputModes, LocalModes, OptionalActions, OutputModes, SpecialCodeIndex,
+        self, InputModes, LocalModes, OptionalActions, OutputModes, SpecialCodeIndex, Termios,
     };
-    use signal_hook::consts::{SIGCONT, SIGHUP, SIGQUIT, SIGTERM};
+    use signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTERM};
     use signal_hook::iterator::Signals;
     use signal_hook::{flag, low_level};
     use std::io::Read;
     use std::os::fd::AsFd;
 
-    pub use rustix::termios::Termios as Settings;
+    /// The terminal's settings when the program first entered it. They are saved only once: after a stop,
+    /// some shells leave this program's own settings in place.
+    static SETTINGS: OnceLock<Termios> = OnceLock::new();
 
     /// The file for the output, and whether it is a terminal.
     ///
@@ -1244,19 +1192,6 @@ mod system {
         Ok((stdout.as_fd().try_clone_to_owned()?.into(), false))
     }
 
-    pub fn catch_signals(console: &'static Console) -> io::Result<()> {
-        flag::register(SIGCONT, console.was_continued.clone())?;
-        // A handler sets the number at once, so that the loop knows of a SIGHUP before it meets the errors of
-        // a terminal that has closed. A thread makes sure that the program ends.
-        const END_SIGNALS: [i32; 3] = [SIGTERM, SIGHUP, SIGQUIT];
-        for signal in END_SIGNALS {
-            flag::register_usize(signal, console.end_signal.clone(), signal as usize)?;
-        }
-        let mut signals = Signals::new(END_SIGNALS)?;
-        let enforce = move || signals.forever().for_each(|signal| console.enforce_end(signal));
-        thread::Builder::new().spawn(enforce).map(drop)
-    }
-
     /// Ends the program by this signal.
     pub fn raise(signal: i32) {
         // The first process of a container cannot end itself by a signal: the system ignores it. Then the
@@ -1275,76 +1210,79 @@ mod system {
         let _ = kill_current_process_group(Signal::TSTP);
     }
 
-    /// Whether the program may use the terminal.
-    ///
-    /// There is no answer if the terminal is not the controlling terminal, if it is gone, or if the job in
-    /// the foreground is outside of the program's container. Then this function returns true.
-    pub fn is_in_foreground(terminal: &File) -> bool {
-        termios::tcgetpgrp(terminal).map_or(true, |group| group == getpgrp())
-    }
-
-    pub fn size(terminal: &File) -> io::Result<(u16, u16)> {
-        Ok(termios::tcgetwinsize(terminal).map(|size| (size.ws_col, size.ws_row))?)
-    }
-
-    /// Sets cbreak mode, and the rest that the program needs. The first call saves what it finds.
-    ///
-    /// If the terminal is gone, this fails, and `size` reports it.
-    pub fn set_cbreak_mode(terminal: &File, saved: &OnceLock<Settings>) {
-        let Ok(settings) = termios::tcgetattr(terminal) else { return };
-        let mut changed = saved.get_or_init(|| settings).clone();
-
-        // A key is sent at once, not with the rest of its line, and is not echoed.
-        changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO;
-        // Ctrl-S is a key like any other, and does not stop the output.
-        changed.input_modes -= InputModes::IXON;
-        // So are Ctrl-V, Ctrl-O and Ctrl-Y, even on macOS, where Ctrl-Y would suspend.
-        changed.local_modes -= LocalModes::IEXTEN;
-        // Ctrl-C and Ctrl-\ send signals, which work even while the loop waits to write.
-        changed.local_modes |= LocalModes::ISIG;
-        // `\n` leads to the start of a new line.
-        changed.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
-
-        // No key may suspend, because Ctrl-Z has to arrive as a byte: see `suspend_job`. The value that means
-        // "no key" differs between systems, so the key that suspends is set to the one that interrupts,
-        // Ctrl-C. The system looks for an interrupt first, so Ctrl-C still interrupts.
-        let interrupt = changed.special_codes[SpecialCodeIndex::VINTR];
-        changed.special_codes[SpecialCodeIndex::VSUSP] = interrupt;
-        let _ = termios::tcsetattr(terminal, OptionalActions::Now, &changed);
-    }
-
-    /// Restores the saved settings, but not in the background, where the settings are the shell's, and
-    /// changing them would stop the program.
-    pub fn restore_settings(terminal: &File, saved: &OnceLock<Settings>) {
-        if let Some(settings) = saved.get().filter(|_| is_in_foreground(terminal)) {
-            let _ = termios::tcsetattr(terminal, OptionalActions::Now, settings);
+    impl Terminal {
+        pub fn catch_signals(&'static self) -> io::Result<()> {
+            flag::register(SIGCONT, &self.was_continued)?;
+            ctrlc::set_handler(|| self.enforce_end(SIGINT)).map_err(io::Error::other)?;
+            let mut signals = Signals::new([SIGHUP, SIGQUIT, SIGTERM])?;
+            let enforce = move || signals.forever().for_each(|signal| self.enforce_end(signal));
+            thread::Builder::new().spawn(enforce).map(drop)
         }
-    }
 
-    /// Discards the output that the terminal has not taken yet, but not in the background, where that would
-    /// stop the program. Flushing alone does not wake the programs that wait for room, so the output is also
-    /// stopped and restarted.
-    pub fn discard_output(terminal: &File) {
-        if is_in_foreground(terminal) {
-            let _ = termios::tcflush(terminal, termios::QueueSelector::OFlush);
-            let _ = termios::tcflow(terminal, termios::Action::OOff);
-            let _ = termios::tcflow(terminal, termios::Action::OOn);
+        /// Whether the terminal is lent to another job.
+        ///
+        /// There is no answer if the terminal is not the controlling terminal, if it is gone, or if the job
+        /// in the foreground is outside of the program's container. Then this function returns false.
+        pub fn is_in_background(&self) -> bool {
+            termios::tcgetpgrp(&self.output.file).is_ok_and(|group| group != getpgrp())
         }
-    }
 
-    /// Reads what the terminal has sent. If the terminal is gone, `size` reports it.
-    pub fn read(mut terminal: &File) -> Vec<u8> {
-        // Where there is nothing to read, do not even try: a shell may just have put the program into the
-        // background, where trying would stop it.
-        let mut bytes = vec![0; rustix::io::ioctl_fionread(terminal).unwrap_or(0) as usize];
-        if !bytes.is_empty() {
-            // Another program may read the same bytes first. So this read must not wait for them.
-            let _ = fs::fcntl_setfl(terminal, OFlags::NONBLOCK);
-            let count = terminal.read(&mut bytes).unwrap_or(0);
-            let _ = fs::fcntl_setfl(terminal, OFlags::empty());
-            bytes.truncate(count);
+        /// The columns and rows. A terminal that does not know its size reports 0, and is taken for 80x24.
+        pub fn size(&self) -> io::Result<(u16, u16)> {
+            let size = termios::tcgetwinsize(&self.output.file)?;
+            let is_known = size.ws_col > 0 && size.ws_row > 0;
+            Ok(if is_known { (size.ws_col, size.ws_row) } else { (80, 24) })
         }
-        bytes
+
+        /// Sets cbreak mode, and the rest that the program needs. The first call saves what it finds.
+        ///
+        /// If the terminal is gone, this fails, and `size` reports it.
+        pub fn set_cbreak_mode(&self) {
+            let Ok(settings) = termios::tcgetattr(&self.output.file) else { return };
+            let mut changed = SETTINGS.get_or_init(|| settings).clone();
+
+            // A key is sent at once, not with the rest of its line, and is not echoed.
+            changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO;
+            // Ctrl-S is a key like any other, and does not stop the output.
+            changed.input_modes -= InputModes::IXON;
+            // So are Ctrl-V, Ctrl-O and Ctrl-Y, even on macOS, where Ctrl-Y would suspend.
+            changed.local_modes -= LocalModes::IEXTEN;
+            // Ctrl-C and Ctrl-\ send signals, which work even while the loop waits to write.
+            changed.local_modes |= LocalModes::ISIG;
+            // `\n` leads to the start of a new line.
+            changed.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
+
+            // No key may suspend, because Ctrl-Z has to arrive as a byte: see `suspend_job`. The value that
+            // means "no key" differs between systems, so the key that suspends is set to the one that
+            // interrupts, Ctrl-C. The system looks for an interrupt first, so Ctrl-C still interrupts.
+            changed.special_codes[SpecialCodeIndex::VSUSP] =
+                changed.special_codes[SpecialCodeIndex::VINTR];
+            let _ = termios::tcsetattr(&self.output.file, OptionalActions::Now, &changed);
+        }
+
+        /// Restores the saved settings, but not in the background, where the settings are the shell's, and
+        /// changing them would stop the program.
+        pub fn restore_settings(&self) {
+            if let Some(settings) = SETTINGS.get().filter(|_| !self.is_in_background()) {
+                let _ = termios::tcsetattr(&self.output.file, OptionalActions::Now, settings);
+            }
+        }
+
+        /// Reads what the terminal has sent. If the terminal is gone, `size` reports it.
+        pub fn read(&self) -> Vec<u8> {
+            let mut file = &self.output.file;
+            // Where there is nothing to read, do not even try: a shell may just have put the program into the
+            // background, where trying would stop it.
+            let mut bytes = vec![0; rustix::io::ioctl_fionread(file).unwrap_or(0) as usize];
+            if !bytes.is_empty() {
+                // Another program may read the same bytes first. So this read must not wait for them.
+                let _ = fs::fcntl_setfl(file, OFlags::NONBLOCK);
+                let count = file.read(&mut bytes).unwrap_or(0);
+                let _ = fs::fcntl_setfl(file, OFlags::empty());
+                bytes.truncate(count);
+            }
+            bytes
+        }
     }
 }
 
@@ -1353,10 +1291,10 @@ mod system {
 #[cfg(windows)]
 mod system {
     use super::*;
-    use crossterm::event::{self, KeyCode};
+    use crossterm::event::{self, KeyCode, KeyModifiers};
     use std::os::windows::io::AsHandle;
 
-    pub type Settings = ();
+    const SIGINT: i32 = 2;
 
     pub fn open_output() -> io::Result<(File, bool)> {
         crossterm::ansi_support::supports_ansi(); // Asking turns on the console's escape codes.
@@ -1367,29 +1305,35 @@ mod system {
     pub fn raise(_: i32) {}
     pub fn suspend_job() {}
 
-    pub fn is_in_foreground(_: &File) -> bool {
-        true
-    }
-
-    pub fn size(_: &File) -> io::Result<(u16, u16)> {
-        crossterm::terminal::size()
-    }
-
-    pub fn set_cbreak_mode(_: &File, _: &OnceLock<Settings>) {}
-    pub fn restore_settings(_: &File, _: &OnceLock<Settings>) {}
-    pub fn discard_output(_: &File) {}
-
-    pub fn read(_: &File) -> Vec<u8> {
-        let mut keys = Vec::new();
-        while event::poll(Duration::ZERO).unwrap_or(false) {
-            let Ok(event) = event::read() else { break };
-            let key = event.as_key_press_event().filter(|key| key.modifiers.is_empty());
-            keys.extend(key.and_then(|key| match key.code {
-                KeyCode::Esc => Some(ESCAPE),
-                code => code.as_char()?.try_into().ok(),
-            }));
+    impl Terminal {
+        pub fn catch_signals(&'static self) -> io::Result<()> {
+            ctrlc::set_handler(|| self.enforce_end(SIGINT)).map_err(io::Error::other)
         }
-        keys
+
+        pub fn set_cbreak_mode(&self) {}
+        pub fn restore_settings(&self) {}
+
+        pub fn is_in_background(&self) -> bool {
+            false
+        }
+
+        pub fn size(&self) -> io::Result<(u16, u16)> {
+            crossterm::terminal::size()
+        }
+
+        pub fn read(&self) -> Vec<u8> {
+            let mut keys = Vec::new();
+            while event::poll(Duration::ZERO).unwrap_or(false) {
+                let Ok(event) = event::read() else { break };
+                let key = event.as_key_press_event();
+                let key = key.filter(|key| (key.modifiers - KeyModifiers::SHIFT).is_empty());
+                keys.extend(key.and_then(|key| match key.code {
+                    KeyCode::Esc => Some(ESCAPE),
+                    code => code.as_char()?.try_into().ok(),
+                }));
+            }
+            keys
+        }
     }
 }
 

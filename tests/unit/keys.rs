@@ -5,8 +5,8 @@ use super::*;
 /// The keys in these pieces, and those found a while later. After that, a q must be a key again.
 fn keys<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> Vec<u8> {
     let long_ago = Instant::now() - TICK;
-    let (mut reader, mut keys) =
-        (KeyReader { code: Code::Nothing, last_arrival: long_ago }, vec![]);
+    let (mut reader, mut keys) = (KeyReader::new(), vec![]);
+    reader.last_arrival = long_ago;
     for piece in pieces {
         keys.extend(reader.keys(piece));
         assert!(piece.is_empty() || reader.last_arrival > long_ago);
