@@ -6,8 +6,9 @@
 //!
 //! # How donut.c draws a donut
 //!
-//! A torus is the surface swept by a small circle, the tube, whose centre travels round a large circle, the
-//! ring. Here is the torus of the first frame, cut in half and seen from the side. The viewer is on the left:
+//! A torus is the surface swept by a small circle whose centre travels round a large one. The surface is a
+//! tube, and the large circle, in the middle of the tube, is the ring. Here is the torus of the first frame,
+//! cut in half and seen from the side. The viewer is on the left:
 //! ```text
 //!                                .-.
 //!           screen              ( +-)--  R1, the radius of the tube
@@ -25,8 +26,8 @@
 //! K2 is the distance from the viewer to the centre of the donut. donut.c has R1 = 1, R2 = 2 and K2 = 5, so
 //! its unit of length is the radius of the tube. The screen is a grid of cells, one for each character. K1,
 //! the distance from the viewer to the screen, only sets the scale of the picture, and is measured in cells:
-//! it is 30 columns, or 15 rows, since a cell is twice as tall as it is wide. As the viewer sees it, the x
-//! axis goes right, the y axis goes *down*, and the z axis goes away.
+//! it is 30 columns, or 15 rows, since a cell is twice as tall as it is wide. To the viewer, the x axis points
+//! right, the y axis points *down*, and the z axis points away.
 //!
 //! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps of
 //! 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one sample: a
@@ -46,11 +47,11 @@
 //! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
 //! ```
 //!
-//! **Perspective.** From here on, z is the depth of the point, its distance from the viewer along the z axis:
-//! `z = Z + K2`. Things twice as far away look half as large, so the point appears `K1 X / z` to the right of
-//! the donut's centre, and `K1 Y / z` below it. donut.c puts this centre at column 40 and row 12 of its 80x22
-//! cells. That is below the middle, and in some poses the lowest part of the donut is cut off. (So is a
-//! little of the highest part, because nothing is drawn in row 0.)
+//! **Perspective.** The depth of the point, `z = Z + K2`, is its distance from the viewer along the z axis.
+//! Things twice as far away look half as large, so the point appears `K1 X / z` to the right of the donut's
+//! centre, and `K1 Y / z` below it. donut.c puts this centre at column 40 and row 12 of its 80x22 cells. That
+//! is below the middle, and in some poses the lowest part of the donut is cut off. (So is a little of the
+//! highest part, because nothing is drawn in row 0.)
 //!
 //! **The z-buffer.** Many samples fall into the same cell, and the cell shows the nearest of them. To find
 //! it, a z-buffer keeps the largest 1/z so far for each cell. (The perspective needs 1/z anyway, and 0 can
@@ -112,6 +113,7 @@ use crossterm::terminal::{self, Clear, ClearType, EnterAlternateScreen, LeaveAlt
 /// methods can be laid over each other.
 #[derive(Clone, Copy, PartialEq)]
 struct View {
+    /// The radius of the ring.
     r2: f64,
     /// The distance from the viewer to the donut's centre.
     k2: f64,
@@ -137,21 +139,22 @@ impl View {
         if (width, height, aspect, r2, k2) == (80, 22, 2.0, 2.0, 5.0) {
             return View::DONUT_C;
         }
-        // Column 0 and row 0 stay empty, so the donut is in the middle of the other cells.
-        let (w, h) = (width as f64, height as f64);
-        let k1x = f64::min((w - 1.0) / 2.0, aspect * (h - 1.0) / 2.0) / apparent_radius(r2, k2);
-        let (cx, cy) = ((w + 1.0) / 2.0, (h + 1.0) / 2.0);
+        // The donut is in the middle of all cells but those of column 0 and row 0.
+        let (columns, rows) = (width as f64 - 1.0, height as f64 - 1.0);
+        let k1x = f64::min(columns / 2.0, aspect * rows / 2.0) / outline_radius(r2, k2);
+        let (cx, cy) = (1.0 + columns / 2.0, 1.0 + rows / 2.0);
         View { r2, k2, width, height, cx, cy, k1x, k1y: k1x / aspect }
     }
 }
 
-/// How large the donut can look. However the donut is rotated, it just fits into its bounding sphere, which
-/// has the radius R1 + R2. The sphere looks like a circle. The result is the radius of that circle on a
-/// screen at the distance 1. (A ray that touches the sphere is perpendicular to its radius there. So the
-/// viewer, that point and the centre form a right triangle, whose hypotenuse is K2.)
-fn apparent_radius(r2: f64, k2: f64) -> f64 {
-    let radius = 1.0 + r2;
-    radius / (k2 * k2 - radius * radius).sqrt()
+/// How large the donut can look: the radius of the outline of its bounding sphere, on a screen at the
+/// distance 1. However the donut is rotated, it just fits into this sphere, whose radius is R1 + R2.
+///
+/// A ray to the outline touches the sphere, at a right angle to the sphere's radius there. So the viewer, the
+/// point that the ray touches and the centre form a right triangle, whose hypotenuse is K2.
+fn outline_radius(r2: f64, k2: f64) -> f64 {
+    let sphere_radius = 1.0 + r2;
+    sphere_radius / (k2 * k2 - sphere_radius * sphere_radius).sqrt()
 }
 
 // ---- Rendering -----------------------------------------------------------------------------------
@@ -170,8 +173,7 @@ const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
 
 /// The character of a luminance L: the one at index 8 L of the ramp.
 fn glyph(luminance: f64) -> u8 {
-    // `as u8` drops the fraction, and makes a negative number 0. L is at most sqrt 2, so 8 L is less than 12,
-    // and `min` changes nothing, but saves a bounds check.
+    // `as u8` drops the fraction, and makes a negative number 0. `min` only saves a bounds check.
     RAMP[usize::from((8.0 * luminance) as u8).min(RAMP.len() - 1)]
 }
 
@@ -184,14 +186,13 @@ struct Renderer {
     /// framebuffer, because in donut.c's own view some samples fall below the picture, by up to two rows.
     zbuffer: Vec<f32>,
     /// For `classic`: the tables of theta and of phi, made when they are first needed.
-    tables: Option<[(Vec<f32>, Vec<f32>); 2]>,
+    tables: Option<[TrigTable; 2]>,
 }
 
 impl Renderer {
     fn new(view: View, method: Method) -> Renderer {
         let framebuffer = vec![b' '; view.width * view.height];
-        let zbuffer = vec![0.0; view.width * (view.height + 2)];
-        Renderer { view, method, framebuffer, zbuffer, tables: None }
+        Renderer { view, method, framebuffer, zbuffer: Vec::new(), tables: None }
     }
 
     /// Draws the donut, rotated by the angles A and B, into the framebuffer.
@@ -203,13 +204,16 @@ impl Renderer {
         }
     }
 
-    /// Removes the shading from the frame: every glyph becomes the darkest one.
-    fn flatten(&mut self) {
+    /// Makes every glyph of the frame the darkest one.
+    fn remove_shading(&mut self) {
         self.framebuffer.iter_mut().filter(|cell| **cell != b' ').for_each(|cell| *cell = RAMP[0]);
     }
 }
 
 // ---- classic: samples of the surface -------------------------------------------------------------
+
+/// The sines and the cosines of the angles that one of donut.c's loops runs through.
+type TrigTable = (Vec<f32>, Vec<f32>);
 
 impl Renderer {
     /// `classic`: donut.c's double loop over theta and phi.
@@ -217,7 +221,7 @@ impl Renderer {
     /// All arithmetic is in f32 and in donut.c's order of operations, because another order would round to
     /// other characters. donut.c has names of one letter: `sin_phi` is its c, `cos_theta` d, `sin_a` e,
     /// `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `cell` o.
-    #[inline(never)] // On x86-64, it was 8% slower when inlined into `play`.
+    #[inline(never)] // Within `play`, the compiler would make slower code of it.
     fn plot_samples(&mut self, a: f32, b: f32) {
         let View { width, height, r2, k2, cx, cy, k1x, k1y } = self.view;
         let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
@@ -227,8 +231,10 @@ impl Renderer {
         let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] = tables;
 
         // In a cell of the picture, 1/z = 0 means infinitely far away, so that any sample is nearer. Column
-        // 0, row 0 and the rows below the picture have infinity instead, which no sample exceeds.
-        self.zbuffer.fill(f32::INFINITY);
+        // 0, row 0 and the rows below the picture have infinity instead, which no sample exceeds, so that
+        // nothing is drawn there.
+        self.zbuffer.clear();
+        self.zbuffer.resize(width * (height + 2), f32::INFINITY);
         for row in 1..height {
             self.zbuffer[row * width + 1..(row + 1) * width].fill(0.0);
         }
@@ -279,18 +285,17 @@ impl Renderer {
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
-/// gaps. (At A = B = 1.5708, donut.c's own picture has a few, and so have larger ones.) In a larger picture,
-/// k1x and k1y are n times donut.c's, and each step is divided by n, so that the samples stay about a cell
-/// apart. If the cells have another shape, k1x and k1y are different multiples of donut.c's, and n is the
-/// larger one.
+/// gaps. (At A = B = 1.5708, there are a few gaps in donut.c's own picture, and in larger pictures as well.)
+/// In a larger picture, k1x and k1y are n times donut.c's, and each step is divided by n, so that the samples
+/// stay about a cell apart. If the cells have another shape, k1x and k1y are different multiples of donut.c's,
+/// and n is the larger one.
 fn angle_steps(view: &View) -> [f64; 2] {
-    let scale = f64::min(View::DONUT_C.k1x / view.k1x, View::DONUT_C.k1y / view.k1y).min(1.0);
-    [0.07 * scale, 0.02 * scale]
+    let n = f64::max(view.k1x / View::DONUT_C.k1x, view.k1y / View::DONUT_C.k1y).max(1.0);
+    [0.07 / n, 0.02 / n]
 }
 
-/// The sines and the cosines of the angles that one of donut.c's loops runs through: 0, `step`, and so on,
-/// once round.
-fn trig_table(step: f64) -> (Vec<f32>, Vec<f32>) {
+/// The angles are 0, `step`, and so on, once round.
+fn trig_table(step: f64) -> TrigTable {
     let angles = std::iter::successors(Some(0.0), |&angle| Some(add_step(angle, step)));
     // donut.c stops at 6.28. With its own steps, TAU gives the same angles. With shorter steps, stopping at
     // 6.28 would leave a gap.
@@ -332,24 +337,24 @@ const TIE_BIAS: f64 = 1e-12;
 impl Renderer {
     /// `exact`: each cell shows what the ray through its centre hits first. `first_hits` finds the hits of N
     /// rays at a time. (It is a parameter because the tests compare several ways of finding them.)
-    fn trace<const N: usize>(
-        &mut self,
-        a: f64,
-        b: f64,
-        first_hits: impl Fn(&Torus, &[Ray; N]) -> [f64; N],
-    ) {
+    fn trace<const N: usize, F>(&mut self, a: f64, b: f64, first_hits: F)
+    where
+        F: Fn(&Torus, &[Ray; N]) -> [f64; N],
+    {
         let View { r2, k2, width, cx, cy, k1x, k1y, .. } = self.view;
         let torus = Torus::new(r2, a, b);
-        let radius = apparent_radius(r2, k2);
+        let outline = outline_radius(r2, k2);
 
+        // Nothing is drawn in row 0.
         for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
-            // A ray can only hit if it passes through the circle that the bounding sphere looks like. In this
-            // row, the circle reaches from cx - half_width to cx + half_width. (Rays through column 0 miss,
-            // because `View` leaves it free.)
+            // A ray can only hit inside the outline of the bounding sphere, a circle. In this row, the circle
+            // reaches from cx - half_width to cx + half_width. (Rays through column 0 miss, because `View`
+            // leaves it free.)
             let dy = (row as f64 + 0.5 - cy) / k1y;
-            let half_width = (radius * radius - dy * dy).max(0.0).sqrt() * k1x;
+            let half_width = (outline * outline - dy * dy).max(0.0).sqrt() * k1x;
             let end = width.min((cx + half_width) as usize + 1);
 
+            // The last N rays may reach beyond `end`. Their hits are not used.
             for column in ((cx - half_width) as usize..end).step_by(N) {
                 let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
                 let rays = array::from_fn(|i| torus.ray(dx(i), dy, k2));
@@ -373,15 +378,16 @@ struct Torus {
     axis: [f64; 3],
 }
 
-/// A ray, reduced to the five numbers that decide where it hits one torus, and how bright it is there.
+/// A ray, reduced to the five numbers that decide where it hits one torus, and how bright the hit is.
 ///
 /// A point of the ray is P = P0 + s U. U is the direction of the ray, of length 1. P0 is the point of the ray
-/// that is nearest to the donut's centre, the origin, so P0 and U are perpendicular. The number s says where
-/// on the ray P is: s is 0 at P0, and negative on the viewer's side of it. Three quantities at P matter:
+/// that is nearest to the donut's centre, the origin, so P0 . U = 0. The number s says where on the ray P is:
+/// s is 0 at P0, and negative on the viewer's side of it. With n for the axis, and l = (0, -1, -1) for the
+/// vector to the light, three quantities at P matter:
 /// ```text
-/// |P|^2 = d0^2 + s^2    the square of the distance from the centre
-/// f     = f0 + fu s     the distance from the plane of the ring, negative on one side
-/// P.l   = l0 + lu s     the dot product with l = (0, -1, -1), the vector to the light
+/// |P|^2 = d0^2 + s^2         the square of the distance from the centre
+/// f     = P.n = f0 + fu s    the distance from the plane of the ring, negative on one side
+///         P.l = l0 + lu s
 /// ```
 #[derive(Clone, Copy, Debug)]
 struct Ray {
@@ -391,6 +397,23 @@ struct Ray {
     l0: f64,
     lu: f64,
 }
+
+/// A ray's quartic G, which is 0 where the ray meets the surface, positive outside the donut, and negative
+/// inside. `Torus::quartic` derives it.
+/// ```text
+/// G(s) = (s^2 + p)^2 + q s + r
+///
+///  G  \           .---.           /
+///      \        .'     '.        /
+///  -----s1----s2---------s3----s4---> s
+///        '.  .'           '.  .'
+///          ''  -w        w  ''
+/// ```
+///
+/// The inflections are at -w and w, where the second derivative, 12 s^2 + 4 p, is 0. (They need not be at s2
+/// and s3.) G is concave between them, and convex on either side. If p is not negative, G is convex
+/// everywhere, with a single valley; w is then set to 0. The four numbers are p, q, r and w.
+type Quartic = [f64; 4];
 
 /// The s of a ray that misses the donut.
 const MISS: f64 = f64::INFINITY;
@@ -405,9 +428,11 @@ impl Torus {
     /// The ray from the viewer at (0, 0, -K2) in the direction (dx, dy, 1).
     fn ray(&self, dx: f64, dy: f64, k2: f64) -> Ray {
         let [nx, ny, nz] = self.axis;
-        // Let alpha be the angle between the ray and the z axis. Then U is (dx, dy, 1) times cos alpha. P0 is
-        // (dx, dy, -tan^2 alpha) times `depth`, its distance from the viewer along the z axis. So d0^2 is
-        // depth^2 (tan^2 alpha + tan^4 alpha) = depth^2 tan^2 alpha / cos^2 alpha = K2 depth tan^2 alpha.
+        // Let alpha be the angle between the ray and the z axis. Then dx^2 + dy^2 is tan^2 alpha, and U is
+        // (dx, dy, 1) times cos alpha. The viewer, P0 and the centre form a right triangle, whose hypotenuse
+        // is K2. So d0 is K2 sin alpha, and the viewer is K2 cos alpha away from P0, which makes the depth of
+        // P0 K2 cos^2 alpha. Its place is (dx, dy, 1) times the depth, less K2 in z; and depth - K2 is
+        // -K2 sin^2 alpha, or -tan^2 alpha times the depth.
         let tan_squared = dx * dx + dy * dy;
         let cos = 1.0 / (1.0 + tan_squared).sqrt();
         let depth = k2 * cos * cos;
@@ -420,57 +445,59 @@ impl Torus {
         }
     }
 
-    /// The coefficients p, q and r of the ray's quartic G, whose roots are where the ray meets the surface.
+    /// The quartic of a ray.
     ///
     /// Let h be the distance of P from the axis. P is on the surface if it is R1 = 1 away from the ring:
     /// ```text
     /// (h - R2)^2 + f^2 = 1
-    /// |P|^2 + R2^2 - 1 = 2 R2 h                            because |P|^2 = h^2 + f^2
-    /// (|P|^2 + R2^2 - 1)^2 - 4 R2^2 (|P|^2 - f^2) = 0      squared
+    /// |P|^2 + R2^2 - 1 = 2 R2 h                        because |P|^2 = h^2 + f^2
+    /// (|P|^2 + R2^2 - 1)^2 = 4 R2^2 (|P|^2 - f^2)      squared
     /// ```
     ///
-    /// Squaring adds no roots: as R2 > 1, neither side of the second line can be negative. The left side of
-    /// the last line is G. With |P|^2 and f written out, and with c = d0^2 + R2^2 - 1, it is
+    /// Squaring adds no roots: as R2 > 1, neither side of the second line can be negative. With |P|^2 and f
+    /// written out, and with c = d0^2 + R2^2 - 1, the last line is G(s) = 0, where
     /// ```text
-    /// G(s) = (s^2 + p)^2 + q s + r    p = c - 2 R2^2 (1 - fu^2)
-    ///                                 q = 8 R2^2 f0 fu
-    ///                                 r = c^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
+    /// G(s) = (s^2 + c)^2 - 4 R2^2 (d0^2 + s^2 - (f0 + fu s)^2)
+    ///      = s^4 + 2 p s^2 + q s + c^2 - 4 R2^2 (d0^2 - f0^2)      p = c - 2 R2^2 (1 - fu^2)
+    ///      = (s^2 + p)^2 + q s + r                                 q = 8 R2^2 f0 fu
     /// ```
     ///
-    /// Because s is measured from P0, there is no cubic term, and the coefficients stay small however far
-    /// away the viewer is.
-    fn quartic(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> [f64; 3] {
+    /// and r is what the square leaves of the constant. As s is measured from P0, there is no cubic term. So
+    /// the inflections are equally far from s = 0, and the coefficients stay small however far away the
+    /// viewer is.
+    fn quartic(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> Quartic {
         let r2_squared = self.r2 * self.r2;
         let c = d0_squared + r2_squared - 1.0;
         let p = c - 2.0 * r2_squared * (1.0 - fu * fu);
         let q = 8.0 * r2_squared * f0 * fu;
         let r = c * c - p * p - 4.0 * r2_squared * (d0_squared - f0 * f0);
-        [p, q, r]
+        [p, q, r, (p / -3.0).max(0.0).sqrt()]
     }
 
     /// The s where the ray enters the donut's bounding volume: the slice of the bounding sphere between the
     /// planes f = -1 and f = 1. No hit comes before it. For a ray that misses the volume, any s will do: G is
     /// positive everywhere, so a search finds nothing.
     fn entry(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> f64 {
-        let radius = 1.0 + self.r2;
-        let sphere_entry = -(radius * radius - d0_squared).max(0.0).sqrt();
-        // The ray enters through the plane f = -1 if fu > 0, and through f = 1 if fu < 0. If fu is 0, this is
-        // infinite, or NaN, which `max` ignores.
-        let slice_entry = -(1.0 + f0 * fu.signum()) / fu.abs();
+        let sphere_radius = 1.0 + self.r2;
+        let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(0.0).sqrt();
+        // If f grows along the ray, the ray enters the slice through the plane f = -1, otherwise through
+        // f = 1. If f does not change, this is infinite, or NaN, which `max` ignores.
+        let plane = -f64::copysign(1.0, fu);
+        let slice_entry = (plane - f0) / fu;
         sphere_entry.max(slice_entry)
     }
 
     /// The luminance L where the ray hits: the dot product of the normal and l, the vector to the light.
     ///
-    /// Let n be the axis. In the plane of the ring, the point below P is P - f n, at the distance h from the
-    /// centre. The nearest point of the ring lies in the same direction, at the distance R2. It is the centre
-    /// of the tube there, and the normal leads from it to P:
+    /// In the plane of the ring, the point below P is P - f n, at the distance h from the centre. The nearest
+    /// point of the ring lies in the same direction, at the distance R2. It is the centre of the tube there,
+    /// and the normal leads from it to P:
     /// ```text
     /// normal = P - (R2 / h) (P - f n) = (1 - R2 / h) (P - f n) + f n
     /// L      = (1 - R2 / h) (P.l - f n.l) + f n.l
     /// ```
     ///
-    /// On the surface, h is (|P|^2 + R2^2 - 1) / (2 R2), as the quartic's second line says.
+    /// On the surface, h is (|P|^2 + R2^2 - 1) / (2 R2): see `quartic`.
     fn luminance(&self, ray: &Ray, s: f64) -> f64 {
         let r2_squared = self.r2 * self.r2;
         let f = ray.f0 + ray.fu * s;
@@ -482,72 +509,60 @@ impl Torus {
 
     /// The s of each ray's first hit, or `MISS`.
     ///
-    /// G is positive outside the donut and negative inside. The viewer is outside, so a ray's first hit is
-    /// where its G first falls to 0: at s1 in the drawing or, if there is no s1, at s3.
+    /// The viewer is outside the donut, so a ray's first hit is where its G first falls to 0: at s1 in the
+    /// drawing of `Quartic` or, if there is no s1, at s3. Newton's method steps from s to the root of the
+    /// tangent at s. For each ray, it searches like this:
     /// ```text
-    ///  G  \           .---.           /
-    ///      \        .'     '.        /
-    ///  -----s1----s2---------s3----s4---> s
-    ///        '.  .'           '.  .'
-    ///          ''  -w        w  ''
+    /// start at the entry if that is left of -w, otherwise at w
+    /// step right, until the steps are tiny:
+    ///     left of -w, if G rises or the step would lead to -w or beyond, jump to w
+    /// if s is not left of -w, and G rises at s: a miss
+    /// if s is still w: step left, until the steps are tiny
+    /// s is the hit: s1 if it is left of -w, otherwise s3
     /// ```
     ///
-    /// The inflections of G are at -w and w, where its second derivative, 12 s^2 + 4 p, is 0. (They need
-    /// not be at s2 and s3.) Between them G is concave, and on either side it is convex. Coming from the
-    /// left, G can fall to 0 once before -w, at s1. If it does not, it is not negative at -w, and can fall to
-    /// 0 once from there on, at s3. If no valley reaches down to 0, the ray misses.
+    /// *No step passes a root.* A convex curve lies above its tangents. So where G is convex and positive, a
+    /// step ends before the next root or at it, unless it leaves the convex part; hence the jump. The same
+    /// holds where G is concave and negative.
     ///
-    /// If p is not negative, G is convex everywhere, with a single valley. Then w is set to 0, and the same
-    /// search works: a hit left of 0 counts as s1, and any other as s3.
+    /// *The start at w is safe.* The search is at w only if there is no s1, and then G is not negative at -w.
+    /// If G is positive at w, it is positive between -w and w as well, because a concave curve lies above its
+    /// chords. So s3 is further right, where G is convex. If G is 0 or negative at w, s3 is between -w and w,
+    /// and G falls all the way from s3 to w: a step from w leads left. (A ray that only grazes the donut at
+    /// w = 0 has the slope 0 there, and counts as a miss.)
     ///
-    /// A ray's search for its hit uses Newton's method, which steps from s to the root of the tangent at s.
-    /// Where G is convex, it lies above its tangents, so a step from a positive G never passes a root, unless
-    /// the step leaves the convex part. Where G is concave, the same holds for a step from a negative G. A
-    /// search only starts where this holds, in one of three cases:
-    ///
-    /// 1. If the ray enters the bounding volume left of -w, the search starts there, and steps right, towards
-    ///    s1. If there is no s1, it comes to a dead end: G rises, or a step would lead to -w or beyond. Then
-    ///    it starts again at w. If the ray enters further right, there is no s1, and the search starts at w.
-    /// 2. From here on, there is no s1, so G is not negative at -w. If G is positive at w, it is positive
-    ///    between as well, because a concave curve lies above its chords. The search steps right, towards
-    ///    s3. If there is no s3, it stops where G rises: the ray misses.
-    /// 3. If G is 0 or negative at w, s3 is at w, or between -w and w. G falls all the way from s3 to w, so
-    ///    its slope at w is negative. The search steps left, towards s3. (A ray that only grazes the donut at
-    ///    w = 0 has the slope 0 there, and counts as a miss.)
-    ///
-    /// Every search ends. It goes in one direction, because a step that rounding has reversed is not taken,
-    /// and it goes on only while its steps are longer than `LAST_STEP`. A search to the left stops at -w.
-    /// Far to the right, G is positive and rises, and a step from there would lead left, so a search to the
-    /// right stops there at the latest.
+    /// *Every search ends.* The steps go in one direction, because a step the other way, which only rounding
+    /// can cause, is not taken. Far to the right, G is positive and rises, so that a step would lead left: the
+    /// steps to the right end there at the latest. Those to the left end at -w.
     fn first_hits<const N: usize>(&self, rays: &[Ray; N]) -> [f64; N] {
         // Each coefficient has an array of its own, so that one instruction loads it for several rays.
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
         for (i, ray) in rays.iter().enumerate() {
-            [p[i], q[i], r[i]] = self.quartic(ray);
-            w[i] = (p[i] / -3.0).max(0.0).sqrt();
+            [p[i], q[i], r[i], w[i]] = self.quartic(ray);
             let entry = self.entry(ray);
             s[i] = if entry < -w[i] { entry } else { w[i] };
         }
+        let quartic = |i: usize| [p[i], q[i], r[i], w[i]];
 
-        // Cases 1 and 2.
-        s = iterate(s, |i, s| step_right([p[i], q[i], r[i]], w[i], s));
+        s = repeat(s, |i, s| step_right(quartic(i), s));
 
-        let mut has_case_3 = false;
+        let mut is_any_at_w = false;
         for i in 0..N {
-            s[i] = hit_or_miss([p[i], q[i], r[i]], w[i], s[i]);
-            has_case_3 |= s[i] == w[i]; // Only the searches of case 3 are still there.
+            let (_, slope) = tangent(quartic(i), s[i]);
+            s[i] = if (s[i] >= w[i]) & (slope >= 0.0) { MISS } else { s[i] };
+            is_any_at_w |= s[i] == w[i];
         }
-        // Most of the time, there are none.
-        if has_case_3 {
-            s = iterate(s, |i, s| step_left([p[i], q[i], r[i]], w[i], s));
+        // Most of the time, there is none.
+        if is_any_at_w {
+            s = repeat(s, |i, s| step_left(quartic(i), s));
         }
         s
     }
 }
 
-/// Takes one step of every search, again and again, until none has further to go. `step` takes search i from
-/// its s to the next, and says whether it has further to go.
-fn iterate<const N: usize>(mut s: [f64; N], step: impl Fn(usize, f64) -> (f64, bool)) -> [f64; N] {
+/// Takes one step of every search, again and again, until none goes on. `step` takes search i from its s to
+/// the next, and says whether the search goes on from there.
+fn repeat<const N: usize>(mut s: [f64; N], step: impl Fn(usize, f64) -> (f64, bool)) -> [f64; N] {
     let mut is_any_moving = true;
     while is_any_moving {
         is_any_moving = false;
@@ -560,48 +575,37 @@ fn iterate<const N: usize>(mut s: [f64; N], step: impl Fn(usize, f64) -> (f64, b
     s
 }
 
-// The parts of `first_hits`, for one ray. They have no branches, so that the compiler can vectorise the loops
-// that call them: `&` and `|` evaluate both sides, and each `if` only chooses between two values.
-
 /// A search ends with a step no longer than this, in units of R1. Newton's method converges so fast that
 /// little more than rounding error is left then. Only where a ray grazes the donut may the true hit be
 /// more than this away. But there the ray runs along the surface, where the luminance hardly changes.
-const LAST_STEP: f64 = 1e-8;
+const TOLERANCE: f64 = 1e-8;
 
-/// Cases 1 and 2: where the search goes from s, and whether it has further to go.
-fn step_right(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
-    let (next, slope) = newton(quartic, s);
-    let is_dead_end = (s < -w) & ((slope >= 0.0) | (next >= -w));
-    let next = if next > s { next } else { s };
-    (if is_dead_end { w } else { next }, is_dead_end | (next - s > LAST_STEP))
+// The parts of `first_hits`, for one ray. They have no branches, so that the compiler can vectorise the loops
+// that call them: `&` and `|` evaluate both sides, and each `if` only chooses between two values.
+
+/// The root of the tangent at s, which is where Newton's method steps, and the slope of G at s. Where the slope
+/// is 0, the root is infinite or NaN.
+fn tangent([p, q, r, _]: Quartic, s: f64) -> (f64, f64) {
+    let base = s * s + p;
+    let slope = 4.0 * base * s + q;
+    (s - (base * base + (q * s + r)) / slope, slope)
 }
 
-/// What the steps to the right have led to: `MISS`, or else s, which is s1, s3, or w.
-///
-/// Left of -w, the search is at s1. Otherwise, the slope decides. Where G rises, the ray misses. Where it
-/// falls, a search right of w is at s3. If a search is still at w, G is not positive there, because from a
-/// positive G a step would have led to the right: that is case 3.
-fn hit_or_miss(quartic: [f64; 3], w: f64, s: f64) -> f64 {
-    let (_, slope) = newton(quartic, s);
-    if (s >= w) & (slope >= 0.0) { MISS } else { s }
+/// Where the search goes from s, and whether it goes on from there.
+fn step_right(quartic @ [.., w]: Quartic, s: f64) -> (f64, bool) {
+    let (root, slope) = tangent(quartic, s);
+    let jumps = (s < -w) & ((slope >= 0.0) | (root >= -w));
+    let next = if root > s { root } else { s };
+    (if jumps { w } else { next }, jumps | (next - s > TOLERANCE))
 }
 
-/// Case 3: where the search goes from s, and whether it has further to go. The other searches stay where they
-/// are: right of w and at `MISS`, s is greater than w, and left of -w, it is less than `next`.
-fn step_left(quartic: [f64; 3], w: f64, s: f64) -> (f64, bool) {
-    let (next, _) = newton(quartic, s);
+/// The same for a search between -w and w. Any other has ended, and stays where it is.
+fn step_left(quartic @ [.., w]: Quartic, s: f64) -> (f64, bool) {
+    let (root, _) = tangent(quartic, s);
     // s3 is right of -w. Only rounding can make a step seem to lead past -w.
-    let next = if next > -w { next } else { -w };
-    let goes_left = (s <= w) & (next < s);
-    (if goes_left { next } else { s }, goes_left & (s - next > LAST_STEP))
-}
-
-/// Where Newton's method steps from s, and the slope of G at s. Where the slope is 0, the step is infinite or
-/// NaN: left of -w, this is a dead end, and anywhere else, the search ends.
-fn newton([p, q, r]: [f64; 3], s: f64) -> (f64, f64) {
-    let u = s * s + p;
-    let slope = 4.0 * u * s + q;
-    (s - (u * u + (q * s + r)) / slope, slope)
+    let next = if root > -w { root } else { -w };
+    let steps = (-w <= s) & (s <= w) & (next < s);
+    (if steps { next } else { s }, steps & (s - next > TOLERANCE))
 }
 
 // ---- Options -------------------------------------------------------------------------------------
@@ -729,7 +733,7 @@ const ANGLES: RangeInclusive<f64> = -1e3..=1e3;
 /// Beyond these, the hole or the tube is too small to see in most pictures.
 const RING_RADII: RangeInclusive<f64> = 1.01..=30.0;
 /// The least K2 is this times 1 + R2. From there, a donut seen edge-on already fills 175 degrees of the view.
-const LEAST_DISTANCE: f64 = 1.001;
+const LEAST_K2_FACTOR: f64 = 1.001;
 
 /// A parser for the numbers in a range.
 fn within<T: FromStr + PartialOrd + Display + Clone>(
@@ -769,9 +773,9 @@ impl Options {
     fn conflict(&self) -> Option<String> {
         let &Options { method, r2, k2, .. } = self;
         // Rounded up to six decimals, so that a user can type what the message shows.
-        let least = (1e6 * LEAST_DISTANCE * (1.0 + r2)).ceil() / 1e6;
+        let least = (1e6 * LEAST_K2_FACTOR * (1.0 + r2)).ceil() / 1e6;
         if !(least..=1_000_000.0).contains(&k2) {
-            let rule = format!("{LEAST_DISTANCE} times the sum of 1 and --r2");
+            let rule = format!("{LEAST_K2_FACTOR} times the sum of 1 and --r2");
             Some(format!("--k2 is {k2}, but must be from {least} ({rule}) to 1000000"))
         } else if method == Some(Method::Classic) && (r2, k2) != (2.0, 5.0) {
             // With other lengths, the steps of `classic` may be too long: see `angle_steps`.
@@ -919,7 +923,7 @@ fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::
         if is_due || clear || is_shaded != was_shaded {
             renderer.render_frame(angles[0], angles[1]);
             if !is_shaded {
-                renderer.flatten();
+                renderer.remove_shading();
             }
             output.show(&renderer, clear)?;
             clear = false;

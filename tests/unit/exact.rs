@@ -33,12 +33,12 @@ const DONUT: Scene = (2.0, 5.0);
 /// donut.c's donut, and others with small and large holes, seen from near and from afar.
 const SCENES: [Scene; 7] = [
     DONUT,
-    (2.0, 3.0 * LEAST_DISTANCE),
+    (2.0, 3.0 * LEAST_K2_FACTOR),
     (2.0, 1e6),
     (CLOSED, 5.0),
     (1.1, 50.0),
     (OPEN, 50.0),
-    (OPEN, (1.0 + OPEN) * LEAST_DISTANCE),
+    (OPEN, (1.0 + OPEN) * LEAST_K2_FACTOR),
 ];
 
 /// What `exact` sees: 8 L, or nothing. What it sees has to be on the surface.
@@ -197,7 +197,7 @@ fn a_donut_that_does_not_lean_is_its_own_mirror_image() {
 #[test]
 fn rays_between_a_hit_and_a_miss_are_right() {
     let tally = judge(130, &SCENES, |random, (r2, k2)| {
-        let radius = apparent_radius(r2, k2);
+        let radius = outline_radius(r2, k2);
         let mut within = |most: f64| random.between(-most, most);
         let (b, dy, mut rays) = (within(7.0), within(radius), Vec::new());
         // Many rays graze a donut that is nearly edge-on, or that faces the viewer nearly squarely.
@@ -222,7 +222,7 @@ fn rays_that_touch_the_tube_twice_are_right() {
         // At the angle acos(1 / K2), the viewer is in this plane.
         let mut hair = || 10_f64.powf(random.between(-16.0, -9.0));
         let (a, lean) = ((1.0 / k2).acos() - hair(), hair() - hair());
-        let dx = apparent_radius(r2, k2) * random.between(-1.0, 1.0);
+        let dx = outline_radius(r2, k2) * random.between(-1.0, 1.0);
         // A ray stays in this plane if its dy is 1 / tan A. `lean` tilts it a little out of the plane.
         vec![turned([a, random.between(0.0, 7.0), dx, a.tan().recip() + lean])]
     });
@@ -270,13 +270,12 @@ fn rays_whose_search_begins_on_the_very_edge_are_right() {
             let position = |[a, b, dx, dy]: Sight| {
                 let torus = Torus::new(r2, a, b);
                 let ray = torus.ray(dx, dy, k2);
-                let [p, q, r] = torus.quartic(&ray);
-                let (s, w) = (torus.entry(&ray), (p / -3.0).max(0.0).sqrt());
-                let (next, slope) = newton([p, q, r], s);
+                let (quartic, s) = (torus.quartic(&ray), torus.entry(&ray));
+                let ((next, slope), [.., w]) = (tangent(quartic, s), quartic);
                 let positions = [s + w, next + w, slope];
                 if edge == 0 || s < -w { positions[edge] } else { f64::INFINITY }
             };
-            let [dx, dy] = [(); 2].map(|_| apparent_radius(r2, k2) * random.between(-1.0, 1.0));
+            let [dx, dy] = [(); 2].map(|_| outline_radius(r2, k2) * random.between(-1.0, 1.0));
             let [from, to, b] = [(); 3].map(|_| random.between(0.0, 7.0));
             let [from, to] = [from, to].map(|a| [a, b, dx, dy]);
             let mut rays = bisect(from, to, |ray| position(ray) < 0.0);
@@ -326,7 +325,7 @@ fn rays_that_lead_the_search_astray_are_right() {
         assert_eq!(tally.ties, 0, "{scene:?} {ray:?}");
         // This ray must not disturb the rays that are followed beside it.
         let ((r2, k2), [a, b, dx, dy]) = (scene, ray);
-        let (torus, radius) = (Torus::new(r2, a, b), apparent_radius(r2, k2));
+        let (torus, radius) = (Torus::new(r2, a, b), outline_radius(r2, k2));
         let rays: [_; LANES] = array::from_fn(|i| torus.ray(dx + 0.1 * radius * i as f64, dy, k2));
         for (ray, s) in rays.into_iter().zip(torus.first_hits(&rays)).skip(1) {
             let [alone] = torus.first_hits(&[ray]);

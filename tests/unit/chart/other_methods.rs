@@ -38,7 +38,7 @@ pub fn sphere_tracing(most_steps: usize) -> impl Fn(&Torus, &[Ray; RAYS]) -> [f6
 
 /// The coefficients of `s^4 + p s^2 + q s + r`, which is the program's G multiplied out.
 fn plain_quartic(torus: &Torus, ray: &Ray) -> [f64; 3] {
-    let [p, q, r] = torus.quartic(ray);
+    let [p, q, r, _] = torus.quartic(ray);
     [2.0 * p, q, p * p + r]
 }
 
@@ -92,7 +92,7 @@ pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
         let slope = (4.0 * s * s + 2.0 * p) * s + q;
         let step = (((s * s + p) * s + q) * s + r) / slope;
         s -= step;
-        if step.abs() <= LAST_STEP {
+        if step.abs() <= TOLERANCE {
             return if s.abs() <= half { s } else { MISS };
         }
     }
