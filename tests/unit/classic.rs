@@ -4,7 +4,7 @@ use super::*;
 
 /// A renderer that draws as classic does, but with these steps of theta and phi.
 pub fn with_steps(view: View, theta: f64, phi: f64) -> Renderer {
-    let mut renderer = renderer(view, Method::Classic);
+    let mut renderer = Renderer::new(view, Method::Classic);
     renderer.tables = Some([trig_table(theta), trig_table(phi)]);
     renderer
 }
@@ -29,13 +29,13 @@ fn holes_and_see_through(mut renderer: Renderer, b: f64) -> (usize, usize) {
 fn steps_are_short_enough_in_large_pictures_of_any_shape() {
     let fixed = holes_and_see_through(with_steps(enlarged(4), 0.07, 0.02), 0.0);
     assert!(fixed.0 > 50 && fixed.1 > 3000, "{fixed:?}");
-    assert_eq!(holes_and_see_through(renderer(enlarged(4), Method::Classic), 0.0), (0, 0));
+    assert_eq!(holes_and_see_through(Renderer::new(enlarged(4), Method::Classic), 0.0), (0, 0));
     // How many cells may show the far wall in a donut that is lying, and in one that is upright.
     let shapes = [(0.25, [0, 6]), (0.5, [0, 0]), (1.0, [0, 0]), (1.2, [0, 0]), (4.0, [0, 30])];
     for (aspect, most) in shapes {
         let view = View::new(300, 300, aspect, 2.0, 5.0);
         for (b, most) in [0.0, FRAC_PI_2].into_iter().zip(most) {
-            let counts = holes_and_see_through(renderer(view, Method::Classic), b);
+            let counts = holes_and_see_through(Renderer::new(view, Method::Classic), b);
             assert!(counts.0 == 0 && counts.1 <= most, "aspect {aspect}, B {b}: {counts:?}");
         }
     }

@@ -174,6 +174,14 @@ fn pictures_of_one_row_or_one_column_are_blank() {
     }
 }
 
+#[test]
+fn the_largest_terminal_gets_the_largest_picture_and_no_z_buffer() {
+    let mut renderer = Options::parse_from(["donut"]).renderer(Some((u16::MAX, u16::MAX)));
+    renderer.render_frame(1.0, 1.0);
+    assert_eq!((renderer.view.width, renderer.view.height), (4096, 4096));
+    assert_eq!(renderer.zbuffer.capacity(), 0);
+}
+
 /// The rays of a block take steps until the last of them has arrived. In a mirror image, other rays
 /// share a block, so a cell that depended on its neighbours would give itself away.
 #[test]

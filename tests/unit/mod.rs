@@ -82,17 +82,9 @@ fn donut_c_poses(count: usize) -> Vec<(f64, f64)> {
     (0..count).map(|n| (2.44 * n as f64, 1.22 * n as f64)).collect()
 }
 
-/// A renderer for any view. An enlarged one reaches further below the picture than the program's own, so
-/// this adds more rows to the z-buffer.
-fn renderer(view: View, method: Method) -> Renderer {
-    let mut renderer = Renderer::new(view, method);
-    renderer.zbuffer.resize(view.width * (view.height + 2 + view.height / 10), 0.0);
-    renderer
-}
-
 fn draw(method: Method, view: View, a: f64, b: f64) -> Vec<u8> {
     within_a_minute(move || {
-        let mut renderer = renderer(view, method);
+        let mut renderer = Renderer::new(view, method);
         renderer.render_frame(a, b);
         renderer.framebuffer
     })

@@ -1,8 +1,8 @@
 //! How long each method takes to draw the donut, and how many cells it gets wrong; the pictures that the
-//! README shows; and the figures in its text.
+//! README and the study show; and the figures in their texts. The study is tests/chart/README.md.
 //!
 //! `cargo test --release chart -- --ignored --nocapture` measures again and writes the files of tests/chart.
-//! Then `cargo test` says which figures of the README are stale.
+//! Then `cargo test` says which figures of the two texts are stale.
 
 mod other_methods;
 mod picture;
@@ -15,6 +15,7 @@ use super::*;
 type NamedMethod = (String, Box<dyn FnMut(f64, f64) -> Vec<u8> + Send>);
 
 const TABLE: &str = "tests/chart/speed-and-accuracy.csv";
+const STUDY: &str = "tests/chart/README.md";
 
 /// The frames of donut.c's own angle A, as donut.c adds it up, in which its error passes a whole turn, in
 /// which it begins to turn too fast, and in which it stops.
@@ -58,8 +59,8 @@ fn ray_by_ray(
 fn methods() -> Vec<NamedMethod> {
     let view = View::DONUT_C;
     let mut methods = vec![
-        own_method("classic x1", renderer(view, Method::Classic)),
-        own_method("exact", renderer(view, Method::Exact)),
+        own_method("classic x1", Renderer::new(view, Method::Classic)),
+        own_method("exact", Renderer::new(view, Method::Exact)),
         tracing("exact one ray at a time", view, Torus::first_hits::<1>),
         ray_by_ray("closed form f64", view, closed_form),
     ];
@@ -79,6 +80,38 @@ fn methods() -> Vec<NamedMethod> {
     };
     methods.push(("donut.c as written".into(), Box::new(literal)));
     methods
+}
+
+/// A scene in which the study compares methods: its name, its view, and ten poses.
+type NamedScene = (&'static str, View, Vec<(f64, f64)>);
+
+fn scenes() -> [NamedScene; 7] {
+    let scene = |r2, k2| View::new(160, 44, 2.0, r2, k2);
+    let poses = donut_c_poses(10);
+    let edge_on = poses.iter().map(|&(_, b)| (TAU / 4.0 + 1e-4, b)).collect();
+    [
+        ("160x44", scene(2.0, 5.0), poses.clone()),
+        ("320x88", fitted(320, 88), poses.clone()),
+        ("edge-on", scene(2.0, 5.0), edge_on),
+        ("--r2 9 --k2 25", scene(9.0, 25.0), poses.clone()),
+        ("--k2 3.003", scene(2.0, 3.003), poses.clone()),
+        ("--k2 50", scene(2.0, 50.0), poses.clone()),
+        ("--k2 50000", scene(2.0, 50_000.0), poses),
+    ]
+}
+
+/// The methods that the study compares in each scene.
+fn compared_methods(view: View) -> Vec<NamedMethod> {
+    let k2 = view.k2;
+    vec![
+        own_method("donut.c's steps", with_steps(view, 0.07, 0.02)),
+        tracing("Sphere tracing", view, sphere_tracing(64)),
+        ray_by_ray("Newton", view, newton_once),
+        ray_by_ray("Ferrari, f32", view, move |torus, ray| textbook_f32(torus, k2, ray)),
+        ray_by_ray("Ferrari, f64", view, move |torus, ray| textbook_f64(torus, k2, ray)),
+        ray_by_ray("Closed form, f64", view, closed_form),
+        own_method("Exact", Renderer::new(view, Method::Exact)),
+    ]
 }
 
 /// The name of each method, and its tally in these poses.
@@ -166,7 +199,7 @@ fn time_and_share(method: &str) -> (f64, f64) {
 
 /// The names and contents of the files that follow from the stored table and from the program, without
 /// measuring anything.
-fn derived_files() -> [(&'static str, String); 5] {
+fn derived_files() -> [(&'static str, String); 6] {
     let errors = drift();
     let line = |(frame, error): &(f64, f64)| format!("{frame},{error:.6}\n");
     let lines = errors.iter().map(line).collect::<String>();
@@ -174,6 +207,7 @@ fn derived_files() -> [(&'static str, String); 5] {
         ("tests/chart/speed-and-accuracy.svg", picture::speed_and_accuracy()),
         ("tests/chart/drift.csv", format!("frame,largest error of A up to it in radians\n{lines}")),
         ("tests/chart/drift.svg", picture::drift(&errors)),
+        ("tests/chart/failures.svg", picture::failures()),
         ("tests/donut.svg", picture::moving()),
         ("tests/methods.svg", picture::two_methods()),
     ]
@@ -210,86 +244,79 @@ fn the_table_has_the_wrong_cells() {
     }
 }
 
-// ---- The figures of the README -------------------------------------------------------------------
+// ---- The figures of the texts --------------------------------------------------------------------
 
 /// Only the numbers are checked. The names of the rows and of the columns tell which number is which.
 #[test]
-fn the_readmes_table_has_the_wrong_cells_where_methods_fail() {
-    let readme = read("README.md");
-    let scenes = row(&readme, '|', "method");
-    let scene = |r2, k2| View::new(160, 44, 2.0, r2, k2);
-    let poses = donut_c_poses(10);
-    let edge_on: Vec<_> = poses.iter().map(|&(_, b)| (TAU / 4.0 + 1e-4, b)).collect();
+fn the_studys_table_has_the_wrong_cells_where_methods_fail() {
+    let study = read(STUDY).replace('`', "");
+    let columns = row(&study, '|', "method");
     let mut stale = Vec::new();
-    for (scene, view, poses) in [
-        ("160x44", scene(2.0, 5.0), &poses),
-        ("320x88", fitted(320, 88), &poses),
-        ("edge-on", scene(2.0, 5.0), &edge_on),
-        ("`--r2 9 --k2 25`", scene(9.0, 25.0), &poses),
-        ("`--k2 3.003`", scene(2.0, 3.003), &poses),
-        ("`--k2 50`", scene(2.0, 50.0), &poses),
-        ("`--k2 50000`", scene(2.0, 50_000.0), &poses),
-    ] {
-        let k2 = view.k2;
-        let methods = vec![
-            own_method("donut.c's steps", with_steps(view, 0.07, 0.02)),
-            tracing("Sphere tracing", view, sphere_tracing(64)),
-            ray_by_ray("Newton", view, newton_once),
-            ray_by_ray("Ferrari, f32", view, move |torus, ray| textbook_f32(torus, k2, ray)),
-            ray_by_ray("Ferrari, f64", view, move |torus, ray| textbook_f64(torus, k2, ray)),
-            ray_by_ray("Closed form, f64", view, closed_form),
-            own_method("Exact", renderer(view, Method::Exact)),
-        ];
-        let column = scenes.iter().position(|&name| name == scene);
-        let column = column.unwrap_or_else(|| panic!("the README has no column {scene:?}"));
-        for (name, tally) in count(methods, &view, poses) {
+    for (scene, view, poses) in scenes() {
+        let column = columns.iter().position(|&name| name == scene);
+        let column = column.unwrap_or_else(|| panic!("the study has no column {scene:?}"));
+        for (name, tally) in count(compared_methods(view), &view, &poses) {
             let percentage = 100.0 * tally.wrong() as f64 / tally.surface as f64;
             let decimals = usize::from(percentage > 0.0 && percentage < 10.0);
             let current = format!("{percentage:.decimals$}");
-            let figure = row(&readme, '|', &name)[column];
+            let figure = row(&study, '|', &name)[column];
             if figure != current {
                 stale.push(format!("{name} ({scene}): {current}, not {figure}"));
             }
         }
     }
-    assert!(stale.is_empty(), "the README's table should have\n{}", stale.join("\n"));
+    assert!(stale.is_empty(), "the study's table should have\n{}", stale.join("\n"));
 }
 
-/// The figures in the README's text. In its words, `#` stands for a figure, which must be this value, rounded
-/// to as many decimals as the README gives it. After "about" it may be a tenth off, because times differ.
+/// The figures in the two texts. In their words, `#` stands for a figure, which must be this value, rounded to
+/// as many decimals as the text gives it. After "about" it may be a tenth off, because times differ.
 #[test]
-fn the_readmes_figures_are_those_measured() {
+fn the_figures_in_the_texts_are_those_measured() {
     let ratio = |slow, fast| measured(slow)[0] / measured(fast)[0];
     let classic = measured("classic x1");
     let in_classic = |cells: f64| 100.0 * cells / classic[1];
+    let (shades, rim) = (in_classic(classic[2] + classic[4]), in_classic(classic[3]));
+    let share = |method| time_and_share(method).1;
+    let [exact, own] = ["exact", "classic x1"].map(|method| ratio("donut.c as written", method));
     let (errors, hours) = (drift(), |frame: f64| frame / 30.0 / 3600.0);
     let whole_turn = errors.iter().find(|error| error.1 > TAU).unwrap().0;
     // A is about 0.04 times the frame, so it has this value a while after frame FASTER.
     let angle = (0.05 * FASTER) as f32;
     let excess = f64::from(add_step(angle, 0.04) - angle) / 0.04 - 1.0;
-    let readme = read("README.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    let far = row(&read(STUDY), '|', "Ferrari, f32")[5].parse().unwrap();
     let mut stale = Vec::new();
-    for (words, value) in [
-        ("and is about # times as fast as a literal", ratio("donut.c as written", "exact")),
-        ("about # times as fast as the closed form", ratio("closed form f64", "exact")),
-        ("Classic is about # times as fast", ratio("donut.c as written", "classic x1")),
-        ("which it draws, #% of the donut's cells", in_classic(classic[2] + classic[4])),
-        ("as many cells as #% of its own", in_classic(classic[3])),
-        ("errors add up to a whole turn in # hours", hours(whole_turn)),
-        ("After # hours the floats", hours(FASTER)),
-        ("the donut turns #% too fast", 100.0 * excess),
-        ("After nearly # days it stands still", hours(STOPPED) / 24.0),
+    for (name, words, value) in [
+        ("README.md", "and is about # times as fast as a literal", exact),
+        ("README.md", "Classic is about # times as fast", own),
+        ("README.md", "but #% of the donut's cells", shades),
+        ("README.md", "as many as #% of the donut's own", rim),
+        ("README.md", "precision gets #% of the cells wrong", far),
+        (STUDY, "differs: #% of the donut's cells", shades),
+        (STUDY, "as many as #% of the donut's own", rim),
+        (STUDY, "half as long, #% of the cells are wrong", share("classic x1/2")),
+        (STUDY, "are wrong instead of #%", share("classic x1")),
+        (STUDY, "a quarter as long, #%.", share("classic x1/4")),
+        (STUDY, "Exact is about # times as fast as a literal", exact),
+        (STUDY, "sines and cosines, about # times", own),
+        (STUDY, "takes about # times as long as exact", ratio("sphere tracing 64", "exact")),
+        (STUDY, "and gets #% of the cells wrong", share("sphere tracing 64")),
+        (STUDY, "about # times as fast as the closed form", ratio("closed form f64", "exact")),
+        (STUDY, "errors add up to a whole turn in # hours", hours(whole_turn)),
+        (STUDY, "After # hours the floats", hours(FASTER)),
+        (STUDY, "the donut turns #% too fast", 100.0 * excess),
+        (STUDY, "After nearly # days it stands still", hours(STOPPED) / 24.0),
     ] {
+        let text = read(name).split_whitespace().collect::<Vec<_>>().join(" ");
         let (before, after) = words.split_once('#').unwrap();
-        let between = readme.split(before).skip(1).filter_map(|rest| rest.split_once(after));
+        let between = text.split(before).skip(1).filter_map(|rest| rest.split_once(after));
         let mut found = between.map(|(text, _)| text).filter(|text| text.parse::<f64>().is_ok());
-        let figure = found.next().unwrap_or_else(|| panic!("the README does not say {words:?}"));
+        let figure = found.next().unwrap_or_else(|| panic!("{name} does not say {words:?}"));
         let decimals = figure.split_once('.').map_or(0, |(_, decimals)| decimals.len());
         let current = format!("{value:.decimals$}");
         let off = (figure.parse::<f64>().unwrap() / value - 1.0).abs();
         if figure != current && !(before.ends_with("about ") && off < 0.1) {
-            stale.push(format!("{words}: {current}, not {figure}"));
+            stale.push(format!("{name}: {words}: {current}, not {figure}"));
         }
     }
-    assert!(stale.is_empty(), "in the README, # should be\n{}", stale.join("\n"));
+    assert!(stale.is_empty(), "# should be\n{}", stale.join("\n"));
 }

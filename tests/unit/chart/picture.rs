@@ -1,5 +1,5 @@
-//! The pictures of the README, as SVG: two of the program's frames, and the two charts of tests/chart. The
-//! charts follow the page, which may be light or dark, and can be read even on a phone, 390 pixels wide.
+//! The pictures of the README and of the study, as SVG: three of frames, and two charts. The charts follow
+//! the page, which may be light or dark, and can be read even on a phone, 390 pixels wide.
 
 use super::*;
 use std::ops::Range;
@@ -70,6 +70,40 @@ pub fn moving() -> String {
     svg(title, pixels(COLUMNS.len(), ROWS), &style, &format!("<g>\n{strip}</g>\n"))
 }
 
+/// The part of a picture in these columns and rows, with its top left corner in the cell `at`. What differs
+/// from exact's picture is orange; where exact has a glyph and this picture has none, the cell is filled.
+fn compared(
+    [drawn, exact]: [&[u8]; 2],
+    width: usize,
+    (columns, rows): (Range<usize>, Range<usize>),
+    at: (usize, usize),
+) -> String {
+    let mut cells = String::new();
+    for row in rows.clone() {
+        let (drawn, exact) = (&drawn[row * width..], &exact[row * width..]);
+        let kind = |&i: &usize| (drawn[i] != b' ', drawn[i] != exact[i]);
+        for part in columns.clone().collect::<Vec<_>>().chunk_by(|a, b| kind(a) == kind(b)) {
+            let (column, row) = (at.0 + part[0] - columns.start, at.1 + row - rows.start);
+            let glyphs: String = part.iter().map(|&i| char::from(drawn[i])).collect();
+            match kind(&part[0]) {
+                (true, true) => cells += &run(column, row, " class=\"wrong\"", &glyphs),
+                (true, false) => cells += &run(column, row, "", &glyphs),
+                (false, true) => cells += &block(column, row, part.len()),
+                (false, false) => {}
+            }
+        }
+    }
+    cells
+}
+
+/// Filled cells, from this column and row on.
+fn block(column: usize, row: usize, count: usize) -> String {
+    let ((x, y), (width, height)) = (pixels(column, row), pixels(count, 1));
+    format!(
+        "<rect class=\"wrong\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>\n"
+    )
+}
+
 /// One pose in both methods, side by side. Where classic differs from exact, it has another colour.
 pub fn two_methods() -> String {
     /// The columns that are shown. (The rows from 15 on are below the donut.)
@@ -82,23 +116,68 @@ pub fn two_methods() -> String {
     let mut texts = String::new();
     for (picture, name, left) in [(&classic, "classic", 1), (&exact, "exact", right)] {
         texts += &run(left, 1, "", name);
-        for row in 0..15 {
-            let start = row * view.width;
-            let (drawn, correct) = (&picture[start..], &exact[start..]);
-            let kind = |&i: &usize| (drawn[i] != b' ', drawn[i] != correct[i]);
-            for columns in COLUMNS.collect::<Vec<_>>().chunk_by(|a, b| kind(a) == kind(b)) {
-                let (shows_donut, is_wrong) = kind(&columns[0]);
-                if shows_donut {
-                    let glyphs: String = columns.iter().map(|&i| char::from(drawn[i])).collect();
-                    let class = if is_wrong { " class=\"wrong\"" } else { "" };
-                    texts += &run(left + columns[0] - COLUMNS.start, row + 2, class, &glyphs);
-                }
-            }
-        }
+        texts += &compared([picture, &exact], view.width, (COLUMNS, 0..15), (left, 2));
     }
     let style = format!("{CELLS}.wrong{{fill:#ff8c42}}");
     let title = "A donut drawn by classic, and the same donut drawn by exact";
     svg(title, pixels(right + COLUMNS.len() + 1, 18), &style, &texts)
+}
+
+/// Methods that fail, each in a scene of the study's table. Of the ten poses, this shows the one with the most
+/// wrong cells, and of its picture, the part with the most.
+pub fn failures() -> String {
+    /// The columns and rows of a part.
+    const PART: (usize, usize) = (46, 20);
+    let mut texts = String::new();
+    for (n, (name, scene)) in [
+        ("donut.c's steps", "320x88"),
+        ("Sphere tracing", "--k2 3.003"),
+        ("Newton", "--k2 50"),
+        ("Ferrari, f32", "--k2 50"),
+        ("Ferrari, f64", "edge-on"),
+        ("Ferrari, f64", "--k2 50000"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let (_, view, poses) = scenes().into_iter().find(|other| other.0 == scene).unwrap();
+        let methods = compared_methods(view).into_iter();
+        let mut draw: Vec<_> =
+            methods.filter(|method| [name, "Exact"].contains(&&*method.0)).collect();
+        let pictures = poses.into_iter().map(|(a, b)| [0, 1].map(|i| draw[i].1(a, b)));
+        let wrong = |[drawn, exact]: &[Vec<u8>; 2], columns: Range<usize>, rows: Range<usize>| {
+            let differs = |cell: usize| drawn[cell] != exact[cell];
+            let count = |row| columns.clone().filter(|&i| differs(row * view.width + i)).count();
+            rows.map(count).sum::<usize>()
+        };
+        let pictures =
+            pictures.max_by_key(|both| wrong(both, 0..view.width, 0..view.height)).unwrap();
+        let part = |(column, row)| (column..column + PART.0, row..row + PART.1);
+        let mut corners: Vec<_> = (0..=view.height - PART.1)
+            .flat_map(|row| (0..=view.width - PART.0).map(move |column| (column, row)))
+            .collect();
+        let count = |corner| {
+            let (columns, rows) = part(corner);
+            wrong(&pictures, columns, rows)
+        };
+        let most = corners.iter().map(|&corner| count(corner)).max().unwrap();
+        corners.retain(|&corner| count(corner) == most);
+        // If the donut has room in several parts, it is in the middle of this one.
+        let (first, last) = (corners[0], corners[corners.len() - 1]);
+        let corner = ((first.0 + last.0) / 2, (first.1 + last.1) / 2);
+        let (left, top) = (2 + n % 3 * (PART.0 + 4), 2 + n / 3 * (PART.1 + 6));
+        let (x, y) = pixels(left, top);
+        texts += &format!(
+            "<text class=\"name\" x=\"{x:.1}\" y=\"{y:.1}\">{name} <tspan>{scene}</tspan></text>\n"
+        );
+        let [drawn, exact] = &pictures;
+        let at = (left, top + 1);
+        texts += &compared([drawn, exact], view.width, part(corner), at);
+    }
+    let style =
+        format!("{CELLS}.wrong{{fill:#ff8c42}}.name{{font-size:26px}}tspan{{fill:#9aa3ad}}");
+    let title = "Frames of methods that fail, with the wrong cells in orange";
+    svg(title, pixels(3 * (PART.0 + 4), 2 * (PART.1 + 6) - 2), &style, &texts)
 }
 
 // ---- Charts --------------------------------------------------------------------------------------
