@@ -26,8 +26,8 @@
 //! K2 is the distance from the viewer to the centre of the donut. donut.c has R1 = 1, R2 = 2 and K2 = 5, so
 //! its unit of length is the radius of the tube. The screen is a grid of cells, one for each character. K1,
 //! the distance from the viewer to the screen, only sets the scale of the picture, and is measured in cells:
-//! it is 30 columns, or 15 rows, since a cell is twice as tall as it is wide. To the viewer, the x axis points
-//! right, the y axis points *down*, and the z axis points away.
+//! it is 30 columns, or 15 rows, since a cell is twice as tall as it is wide. To the viewer, the x axis
+//! points right, the y axis points *down*, and the z axis points away.
 //!
 //! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps of
 //! 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one sample: a
@@ -287,8 +287,8 @@ impl Renderer {
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
 /// gaps. (At A = B = 1.5708, there are a few gaps in donut.c's own picture, and in larger pictures as well.)
 /// In a larger picture, k1x and k1y are n times donut.c's, and each step is divided by n, so that the samples
-/// stay about a cell apart. If the cells have another shape, k1x and k1y are different multiples of donut.c's,
-/// and n is the larger one.
+/// stay about a cell apart. If the cells have another shape, k1x and k1y are different multiples of
+/// donut.c's, and n is the larger one.
 fn angle_steps(view: &View) -> [f64; 2] {
     let n = f64::max(view.k1x / View::DONUT_C.k1x, view.k1y / View::DONUT_C.k1y).max(1.0);
     [0.07 / n, 0.02 / n]
@@ -430,8 +430,8 @@ impl Torus {
         let [nx, ny, nz] = self.axis;
         // Let alpha be the angle between the ray and the z axis. Then dx^2 + dy^2 is tan^2 alpha, and U is
         // (dx, dy, 1) times cos alpha. The viewer, P0 and the centre form a right triangle, whose hypotenuse
-        // is K2. So d0 is K2 sin alpha, and the viewer is K2 cos alpha away from P0, which makes the depth of
-        // P0 K2 cos^2 alpha. Its place is (dx, dy, 1) times the depth, less K2 in z; and depth - K2 is
+        // is K2. So d0 is K2 sin alpha, and P0 is K2 cos alpha away from the viewer, at the depth
+        // K2 cos^2 alpha. The x and y of P0 are dx and dy times this depth. Its z is depth - K2, which is
         // -K2 sin^2 alpha, or -tan^2 alpha times the depth.
         let tan_squared = dx * dx + dy * dy;
         let cos = 1.0 / (1.0 + tan_squared).sqrt();
@@ -458,13 +458,13 @@ impl Torus {
     /// written out, and with c = d0^2 + R2^2 - 1, the last line is G(s) = 0, where
     /// ```text
     /// G(s) = (s^2 + c)^2 - 4 R2^2 (d0^2 + s^2 - (f0 + fu s)^2)
-    ///      = s^4 + 2 p s^2 + q s + c^2 - 4 R2^2 (d0^2 - f0^2)      p = c - 2 R2^2 (1 - fu^2)
-    ///      = (s^2 + p)^2 + q s + r                                 q = 8 R2^2 f0 fu
+    ///      = s^4 + 2 p s^2 + q s + p^2 + r      p = c - 2 R2^2 (1 - fu^2)
+    ///      = (s^2 + p)^2 + q s + r              q = 8 R2^2 f0 fu
+    ///                                           r = c^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
     /// ```
     ///
-    /// and r is what the square leaves of the constant. As s is measured from P0, there is no cubic term. So
-    /// the inflections are equally far from s = 0, and the coefficients stay small however far away the
-    /// viewer is.
+    /// As s is measured from P0, there is no cubic term. So one w serves both inflections, and the
+    /// coefficients stay small however far away the viewer is.
     fn quartic(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> Quartic {
         let r2_squared = self.r2 * self.r2;
         let c = d0_squared + r2_squared - 1.0;
@@ -513,7 +513,7 @@ impl Torus {
     /// drawing of `Quartic` or, if there is no s1, at s3. Newton's method steps from s to the root of the
     /// tangent at s. For each ray, it searches like this:
     /// ```text
-    /// start at the entry if that is left of -w, otherwise at w
+    /// start at `entry` if that is left of -w, otherwise at w
     /// step right, until the steps are tiny:
     ///     left of -w, if G rises or the step would lead to -w or beyond, jump to w
     /// if s is not left of -w, and G rises at s: a miss
@@ -525,15 +525,16 @@ impl Torus {
     /// step ends before the next root or at it, unless it leaves the convex part; hence the jump. The same
     /// holds where G is concave and negative.
     ///
-    /// *The start at w is safe.* The search is at w only if there is no s1, and then G is not negative at -w.
-    /// If G is positive at w, it is positive between -w and w as well, because a concave curve lies above its
-    /// chords. So s3 is further right, where G is convex. If G is 0 or negative at w, s3 is between -w and w,
-    /// and G falls all the way from s3 to w: a step from w leads left. (A ray that only grazes the donut at
-    /// w = 0 has the slope 0 there, and counts as a miss.)
+    /// *The start at w is safe.* The search is at w only if there is no s1: the ray enters right of -w, or
+    /// the steps left of -w have found none. Then G is not negative at -w. If G is positive at w, it is
+    /// positive between -w and w as well, because a concave curve lies above its chords. So s3 is further
+    /// right, where G is convex. If G is 0 or negative at w, s3 is between -w and w, and G falls all the way
+    /// from s3 to w: a step from w leads left. (A ray that only grazes the donut at w = 0 has the slope 0
+    /// there, and counts as a miss.)
     ///
     /// *Every search ends.* The steps go in one direction, because a step the other way, which only rounding
-    /// can cause, is not taken. Far to the right, G is positive and rises, so that a step would lead left: the
-    /// steps to the right end there at the latest. Those to the left end at -w.
+    /// can cause, is not taken. Far to the right, G is positive and rises, so that a step would lead left:
+    /// the steps to the right end there at the latest. Those to the left end at -w.
     fn first_hits<const N: usize>(&self, rays: &[Ray; N]) -> [f64; N] {
         // Each coefficient has an array of its own, so that one instruction loads it for several rays.
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
@@ -583,8 +584,8 @@ const TOLERANCE: f64 = 1e-8;
 // The parts of `first_hits`, for one ray. They have no branches, so that the compiler can vectorise the loops
 // that call them: `&` and `|` evaluate both sides, and each `if` only chooses between two values.
 
-/// The root of the tangent at s, which is where Newton's method steps, and the slope of G at s. Where the slope
-/// is 0, the root is infinite or NaN.
+/// The root of the tangent at s, which is where Newton's method steps, and the slope of G at s. Where the
+/// slope is 0, the root is infinite or NaN.
 fn tangent([p, q, r, _]: Quartic, s: f64) -> (f64, f64) {
     let base = s * s + p;
     let slope = 4.0 * base * s + q;
@@ -1059,10 +1060,10 @@ impl Terminal {
         // A signal may have cut a frame short, in the middle of a row.
         queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
         if self.uses_alternate_screen {
-            // Otherwise, tmux would copy some of the alternate screen into the shell's after a change of size.
-            // Code 1047 makes sure that it is not the shell's screen that is cleared: during a stop, another
-            // program may have switched to that. (`EnterAlternateScreen`, which is code 1049, would also save
-            // the cursor: in some terminals, over the one that `enter` saved.)
+            // Otherwise, tmux would copy some of the alternate screen into the shell's after a change of
+            // size. Code 1047 makes sure that it is not the shell's screen that is cleared: during a stop,
+            // another program may have switched to that. (`EnterAlternateScreen`, which is code 1049, would
+            // also save the cursor: in some terminals, over the one that `enter` saved.)
             queue!(bytes, Print("\x1b[?1047h"), Clear(ClearType::All), LeaveAlternateScreen)?;
         }
         let written = self.output.write(&bytes);
@@ -1083,9 +1084,9 @@ impl Terminal {
 
     /// What the threads that receive the signals do: asks the loop to end, and watches whether it does.
     ///
-    /// The loop may be in the middle of a write. If another program is writing, the write gets its turn in the
-    /// end, and so does the one that restores the screen, because both wait for it. If the terminal takes no
-    /// more output, they would wait for ever. So after three seconds, this restores at least the settings,
+    /// The loop may be in the middle of a write. If another program is writing, the write gets its turn in
+    /// the end, and so does the one that restores the screen, because both wait for it. If the terminal takes
+    /// no more output, they would wait for ever. So after three seconds, this restores at least the settings,
     /// which needs no room, and ends the program.
     fn enforce_end(&self, signal: i32) {
         let _ = self.end_signal.set(signal); // Fails if another signal came first.
