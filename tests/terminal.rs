@@ -440,7 +440,7 @@ fn the_first_signal_ends_donut_on_a_stuck_terminal_and_restores_its_settings() {
 /// could resume it, Ctrl-Z makes donut leave the terminal and enter it again.
 #[test]
 fn ctrl_c_restores_a_terminal_that_is_stuck_in_a_frame() {
-    let pty = run_unread("--fps=0 --color=red", SIZE);
+    let pty = run_unread("--color=red", SIZE);
     pty.read_until(|pty| frame_count(pty) > 0);
     pty.type_bytes(b"\x1a");
     pty.read_until(|pty| enter_count(pty) == 2);
