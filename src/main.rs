@@ -82,7 +82,6 @@
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
 use std::f64::consts::TAU;
-use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
 use std::ops::RangeInclusive;
@@ -737,7 +736,7 @@ const RING_RADII: RangeInclusive<f64> = 1.01..=30.0;
 const LEAST_K2_FACTOR: f64 = 1.001;
 
 /// A parser for the numbers in a range.
-fn within<T: FromStr + PartialOrd + Display + Clone>(
+fn within<T: FromStr + PartialOrd + std::fmt::Display + Clone>(
     range: RangeInclusive<T>,
 ) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
@@ -1028,6 +1027,7 @@ impl Terminal {
         panic::set_hook(Box::new(move |info| {
             let _ = terminal.leave();
             previous_hook(info);
+            process::exit(101) // As after a panic in the main thread. This may be another one.
         }));
         terminal.catch_signals()?;
         Ok(terminal)

@@ -488,9 +488,9 @@ fn donut_goes_on_after_a_terminal_was_stuck() {
 #[test]
 fn keys_and_signals_are_obeyed_on_a_slow_terminal() {
     side_by_side(&[("q", 0), ("TERM", 143)], |&(word, code)| {
-        // The terminal reads 25 kB a second, and there are 53 kB of frames.
+        // The terminal reads 10 kB a second, and there are 53 kB of frames.
         let pty = run_unread("", SIZE);
-        pty.start_reading(1000, Duration::from_millis(40));
+        pty.start_reading(1000, Duration::from_millis(100));
         wait_for_more_frames(&pty, 2);
         step(&pty, word);
         pty.assert_ends(code);
