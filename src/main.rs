@@ -220,7 +220,6 @@ impl Renderer {
     /// All arithmetic is in f32 and in donut.c's order of operations, because another order would round to
     /// other characters. donut.c has names of one letter: `sin_phi` is its c, `cos_theta` d, `sin_a` e,
     /// `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `cell` o.
-    #[inline(never)] // Within `play`, the compiler would make slower code of it.
     fn plot_samples(&mut self, a: f32, b: f32) {
         let View { width, height, r2, k2, cx, cy, k1x, k1y } = self.view;
         let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
@@ -854,7 +853,7 @@ fn run(options: &Options) -> io::Result<()> {
     let played = play(options, &terminal.output, Some(terminal));
     let result = played.and(terminal.leave());
     if result.is_err() {
-        // A terminal that closes causes this error, and a moment later SIGHUP, by which to end.
+        // A terminal that closes causes an error first, and then the signal SIGHUP, which counts.
         thread::sleep(TICK);
     }
     terminal.end_if_signalled();
@@ -871,8 +870,8 @@ fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::
     let mut key_reader = KeyReader::new();
     let (mut is_paused, mut is_shaded) = (false, true);
 
-    let mut angles = [options.a, options.b];
-    let mut next = angles;
+    let mut next = [options.a, options.b]; // The angles of the frame to come.
+    let mut angles = next;
     let mut frame_count = 0;
     let mut due = Instant::now();
 
@@ -1027,7 +1026,7 @@ impl Terminal {
         panic::set_hook(Box::new(move |info| {
             let _ = terminal.leave();
             previous_hook(info);
-            process::exit(101) // As after a panic in the main thread. This may be another one.
+            process::exit(101) // By itself, a panic ends the program only in the main thread.
         }));
         terminal.catch_signals()?;
         Ok(terminal)
@@ -1060,10 +1059,10 @@ impl Terminal {
         // A signal may have cut a frame short, in the middle of a row.
         queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
         if self.uses_alternate_screen {
-            // Otherwise, tmux would copy some of the alternate screen into the shell's after a change of
-            // size. Code 1047 makes sure that it is not the shell's screen that is cleared: during a stop,
-            // another program may have switched to that. (`EnterAlternateScreen`, which is code 1049, would
-            // also save the cursor: in some terminals, over the one that `enter` saved.)
+            // The alternate screen is cleared, because after a change of size, tmux would copy some of it
+            // into the shell's screen. Code 1047 makes sure that it is not the shell's screen that is
+            // cleared: during a stop, another program may have switched to that. (`EnterAlternateScreen`,
+            // code 1049, would also save the cursor: in some terminals, over the one that `enter` saved.)
             queue!(bytes, Print("\x1b[?1047h"), Clear(ClearType::All), LeaveAlternateScreen)?;
         }
         let written = self.output.write(&bytes);
