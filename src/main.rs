@@ -181,8 +181,9 @@ struct Renderer {
     method: Method,
     /// The character in each cell: `width * height` bytes, row by row, blank where there is no donut.
     framebuffer: Vec<u8>,
-    /// For `classic`: 1/z of the nearest sample so far, in each cell. There are two rows more than in the
-    /// framebuffer, because in donut.c's own view some samples fall below the picture, by up to two rows.
+    /// For `classic`, and empty until it draws: 1/z of the nearest sample so far, in each cell. There are two
+    /// rows more than in the framebuffer, because in donut.c's own view some samples fall below the picture,
+    /// by up to two rows.
     zbuffer: Vec<f32>,
     /// For `classic`: the tables of theta and of phi, made when they are first needed.
     tables: Option<[TrigTable; 2]>,
@@ -346,8 +347,8 @@ impl Renderer {
         // Nothing is drawn in row 0.
         for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
             // A ray can only hit inside the outline of the bounding sphere, a circle. In this row, the circle
-            // reaches from cx - half_width to cx + half_width. (Rays through column 0 miss, because `View`
-            // leaves it free.)
+            // reaches from cx - half_width to cx + half_width. (Above and below the circle, half_width is 0.
+            // Rays through column 0 miss, because `View` leaves it free.)
             let dy = (row as f64 + 0.5 - cy) / k1y;
             let half_width = (outline * outline - dy * dy).max(0.0).sqrt() * k1x;
             let end = width.min((cx + half_width) as usize + 1);
@@ -383,7 +384,7 @@ struct Torus {
 /// s is 0 at P0, and negative on the viewer's side of it. With n for the axis, and l = (0, -1, -1) for the
 /// vector to the light, three quantities at P matter:
 /// ```text
-/// |P|^2 = d0^2 + s^2         the square of the distance from the centre
+/// |P|^2 = d0^2 + s^2         the square of the distance from the centre, which is d0 at P0
 /// f     = P.n = f0 + fu s    the distance from the plane of the ring, negative on one side
 ///         P.l = l0 + lu s
 /// ```
@@ -396,8 +397,8 @@ struct Ray {
     lu: f64,
 }
 
-/// A ray's quartic G, which is 0 where the ray meets the surface, positive outside the donut, and negative
-/// inside. `Torus::quartic` derives it.
+/// The numbers p, q, r and w of a ray's quartic G, which is 0 where the ray meets the surface, positive
+/// outside the donut, and negative inside. `Torus::quartic` derives it.
 /// ```text
 /// G(s) = (s^2 + p)^2 + q s + r
 ///
@@ -410,7 +411,7 @@ struct Ray {
 ///
 /// The inflections are at -w and w, where the second derivative, 12 s^2 + 4 p, is 0. (They need not be at s2
 /// and s3.) G is concave between them, and convex on either side. If p is not negative, G is convex
-/// everywhere, with a single valley; w is then set to 0. The four numbers are p, q, r and w.
+/// everywhere, with a single valley; w is then set to 0.
 type Quartic = [f64; 4];
 
 /// The s of a ray that misses the donut.
@@ -507,32 +508,37 @@ impl Torus {
 
     /// The s of each ray's first hit, or `MISS`.
     ///
-    /// The viewer is outside the donut, so a ray's first hit is where its G first falls to 0: at s1 in the
-    /// drawing of `Quartic` or, if there is no s1, at s3. Newton's method steps from s to the root of the
-    /// tangent at s. For each ray, it searches like this:
+    /// The viewer is outside the donut, so a ray's first hit is where its G first falls to 0. Coming from the
+    /// left, G can do so once before -w, at s1 in the drawing of `Quartic`. If it does not, it is not
+    /// negative at -w, and can do so once from there on, at s3. (If there is a single valley, a hit left of 0
+    /// counts as s1, and any other as s3.)
+    ///
+    /// Each search uses Newton's method, which steps from s to the root of the tangent at s:
     /// ```text
-    /// start at `entry` if that is left of -w, otherwise at w
-    /// step right, until the steps are tiny:
-    ///     left of -w, if G rises or the step would lead to -w or beyond, jump to w
-    /// if s is not left of -w, and G rises at s: a miss
-    /// if s is still w: step left, until the steps are tiny
-    /// s is the hit: s1 if it is left of -w, otherwise s3
+    /// s = entry if entry < -w, otherwise w
+    /// until the steps are tiny:                                               step_right
+    ///     if s < -w, and G rises at s or the step leads to -w or beyond: jump to w
+    ///     otherwise: step right, or stay if the step leads left
+    /// if s >= w, and G rises at s: a miss
+    /// if s is still w: until the steps are tiny, step left                    step_left
+    /// s is the hit: s1 if s < -w, otherwise s3
     /// ```
     ///
-    /// *No step passes a root.* A convex curve lies above its tangents. So where G is convex and positive, a
-    /// step ends before the next root or at it, unless it leaves the convex part; hence the jump. The same
-    /// holds where G is concave and negative.
+    /// *No step passes a root.* A convex curve lies above its tangents. So where G is convex and positive,
+    /// the tangent falls to 0 before G does, and a step ends before the next root or at it, unless it leaves
+    /// the convex part; hence the jump. A concave curve lies below its tangents, so the same holds where G is
+    /// concave and negative.
     ///
     /// *The start at w is safe.* The search is at w only if there is no s1: the ray enters right of -w, or
     /// the steps left of -w have found none. Then G is not negative at -w. If G is positive at w, it is
-    /// positive between -w and w as well, because a concave curve lies above its chords. So s3 is further
-    /// right, where G is convex. If G is 0 or negative at w, s3 is between -w and w, and G falls all the way
-    /// from s3 to w: a step from w leads left. (A ray that only grazes the donut at w = 0 has the slope 0
-    /// there, and counts as a miss.)
+    /// positive between -w and w as well, because a concave curve lies above its chords. So s3, if there is
+    /// one, is further right, where G is convex. If G is 0 or negative at w, s3 is between -w and w, and G
+    /// falls all the way from s3 to w: a step from w leads left. (A ray that only grazes the donut at w = 0
+    /// has the slope 0 there, and counts as a miss.)
     ///
-    /// *Every search ends.* The steps go in one direction, because a step the other way, which only rounding
-    /// can cause, is not taken. Far to the right, G is positive and rises, so that a step would lead left:
-    /// the steps to the right end there at the latest. Those to the left end at -w.
+    /// *Every search ends.* The steps go in one direction, and each is longer than TOLERANCE, except the
+    /// last. Those to the right cannot go on for ever, because far to the right G is positive and rises, so
+    /// that a step would lead left. Those to the left end at -w at the latest.
     fn first_hits<const N: usize>(&self, rays: &[Ray; N]) -> [f64; N] {
         // Each coefficient has an array of its own, so that one instruction loads it for several rays.
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
@@ -548,7 +554,7 @@ impl Torus {
         let mut is_any_at_w = false;
         for i in 0..N {
             let (_, slope) = tangent(quartic(i), s[i]);
-            s[i] = if (s[i] >= w[i]) & (slope >= 0.0) { MISS } else { s[i] };
+            s[i] = if s[i] >= w[i] && slope >= 0.0 { MISS } else { s[i] };
             is_any_at_w |= s[i] == w[i];
         }
         // Most of the time, there is none.
@@ -579,7 +585,7 @@ fn repeat<const N: usize>(mut s: [f64; N], step: impl Fn(usize, f64) -> (f64, bo
 /// more than this away. But there the ray runs along the surface, where the luminance hardly changes.
 const TOLERANCE: f64 = 1e-8;
 
-// The parts of `first_hits`, for one ray. They have no branches, so that the compiler can vectorise the loops
+// The steps of `first_hits`, for one ray. They have no branches, so that the compiler can vectorise the loops
 // that call them: `&` and `|` evaluate both sides, and each `if` only chooses between two values.
 
 /// The root of the tangent at s, which is where Newton's method steps, and the slope of G at s. Where the
@@ -851,9 +857,10 @@ fn run(options: &Options) -> io::Result<()> {
     }
     let terminal = Terminal::new(output, options)?;
     let played = play(options, &terminal.output, Some(terminal));
-    let result = played.and(terminal.leave());
+    let left = terminal.leave();
+    let result = played.and(left);
     if result.is_err() {
-        // A terminal that closes causes an error first, and then the signal SIGHUP, which counts.
+        // A terminal that closes causes an error first, and then SIGHUP. The program is to end by the signal.
         thread::sleep(TICK);
     }
     terminal.end_if_signalled();
@@ -864,14 +871,14 @@ fn run(options: &Options) -> io::Result<()> {
 /// draws a frame if the next one is due, or if a key or a new size asks for the same one again. As it sleeps
 /// for a TICK at most, most iterations draw nothing while the donut is paused, or at a low frame rate.
 fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::Result<()> {
-    let mut renderer = options.renderer(None);
+    let mut renderer = options.renderer(None); // On a terminal, another one replaces it at once.
     let mut terminal_size = None;
     let mut clear = true; // donut.c, too, begins by clearing the screen.
     let mut key_reader = KeyReader::new();
     let (mut is_paused, mut is_shaded) = (false, true);
 
     let mut next = [options.a, options.b]; // The angles of the frame to come.
-    let mut angles = next;
+    let mut angles = next; // Those of the last frame, which may have to be drawn again.
     let mut frame_count = 0;
     let mut due = Instant::now();
 
@@ -1083,10 +1090,10 @@ impl Terminal {
 
     /// What the threads that receive the signals do: asks the loop to end, and watches whether it does.
     ///
-    /// The loop may be in the middle of a write. If another program is writing, the write gets its turn in
-    /// the end, and so does the one that restores the screen, because both wait for it. If the terminal takes
-    /// no more output, they would wait for ever. So after three seconds, this restores at least the settings,
-    /// which needs no room, and ends the program.
+    /// The loop may be in the middle of a write. If another program is writing, the loop's write gets its
+    /// turn in the end, and so does the write that restores the screen. But if the terminal takes no more
+    /// output, these writes would wait for ever. So after three seconds, this restores at least the settings,
+    /// which is not a write, and ends the program.
     fn enforce_end(&self, signal: i32) {
         let _ = self.end_signal.set(signal); // Fails if another signal came first.
         thread::sleep(Duration::from_secs(3));
@@ -1099,9 +1106,8 @@ impl Terminal {
 ///
 /// An arrow key, for example, sends an escape code: an ESC and more bytes. So does the terminal's answer to a
 /// question of an earlier program, which may arrive late and in pieces. Each code is followed to its end, by
-/// the grammar of ECMA-48. If the rest of a code does not come within a TICK, the code is dropped; but if it
-/// is only an ESC, that is the Esc key. (The loop may be late itself. So the rest is missing only if, after a
-/// TICK, a read finds nothing.)
+/// the grammar of ECMA-48. If a read finds nothing, a TICK or more after the last byte, then the rest of the
+/// code will not come. The code is dropped; but if it is only an ESC, that is the Esc key.
 struct KeyReader {
     state: State,
     last_arrival: Instant,
@@ -1182,10 +1188,10 @@ mod system {
     pub fn open_output() -> io::Result<(File, bool)> {
         let stdout = io::stdout();
         if stdout.is_terminal() {
+            // The program's controlling terminal is the one that it was started from. Under the name
+            // /dev/tty, even a user to whom the terminal does not belong may open it.
             let path = match termios::tcgetpgrp(&stdout) {
-                // Not the controlling terminal, which is the one that the program was started from.
-                Err(rustix::io::Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
-                // The controlling terminal, which any user may open under this name.
+                Err(rustix::io::Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()), // Another one.
                 _ => Ok(c"/dev/tty".into()),
             };
             let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC;
