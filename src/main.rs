@@ -231,8 +231,7 @@ impl Renderer {
 
         // In a cell of the picture, 1/z = 0 means infinitely far away, so that any sample is nearer. Column
         // 0, row 0 and the rows below the picture have infinity instead, which no sample exceeds, so that
-        // nothing is drawn there.
-        self.zbuffer.clear();
+        // nothing is drawn there. (Only in the first frame does the z-buffer have to grow.)
         self.zbuffer.resize(width * (height + 2), f32::INFINITY);
         for row in 1..height {
             self.zbuffer[row * width + 1..(row + 1) * width].fill(0.0);
@@ -607,9 +606,10 @@ fn step_right(quartic @ [.., w]: Quartic, s: f64) -> (f64, bool) {
 /// The same for a search between -w and w. Any other has ended, and stays where it is.
 fn step_left(quartic @ [.., w]: Quartic, s: f64) -> (f64, bool) {
     let (root, _) = tangent(quartic, s);
-    // s3 is right of -w. Only rounding can make a step seem to lead past -w.
+    // s3 is right of -w. Only rounding can make a step seem to lead past -w. (A search that has ended left of
+    // -w stays there, because its `next` is further right.)
     let next = if root > -w { root } else { -w };
-    let steps = (-w <= s) & (s <= w) & (next < s);
+    let steps = (s <= w) & (next < s);
     (if steps { next } else { s }, steps & (s - next > TOLERANCE))
 }
 

@@ -343,7 +343,7 @@ fn rays_that_lead_the_search_astray_are_right() {
 }
 
 /// Rays that some version of the search got wrong.
-const ASTRAY: [(Scene, Sight); 12] = [
+const ASTRAY: [(Scene, Sight); 13] = [
     // 8 L is 7.5e-11 below a whole number.
     (DONUT, [1.0473961953184974, 1.6697611863666963, 0.0, 0.0]),
     // The ray passes the near side of the tube by 5e-13.
@@ -373,6 +373,10 @@ const ASTRAY: [(Scene, Sight); 12] = [
     (
         (1.01, 2.016716897357975),
         [2.3840407789078397, 0.0, 0.1502328628464559, -0.23872492911632734],
+    ),
+    (
+        (1.01, 2.02),
+        [2.341788020273717, 0.6666287167273747, 0.31304781862284786, -0.10284807914334286],
     ),
 ];
 
