@@ -418,6 +418,7 @@ fn donut_ends_when_the_terminal_goes_even_without_sighup() {
 /// A donut on a terminal that reads nothing, once it has written as much as the terminal holds.
 fn stuck_donut(options: &str, size: (u16, u16)) -> Pty {
     let pty = run_unread(&format!("{options} --fps=0 --color=red"), size);
+    pty.type_bytes(b"x"); // To read a key, the donut makes the terminal nonblocking for a moment.
     step(&pty, "start");
     pty.wait_until_full();
     pty
