@@ -860,8 +860,9 @@ fn run(options: &Options) -> io::Result<()> {
     let left = terminal.leave();
     let result = played.and(left);
     if result.is_err() {
-        // A terminal that closes causes an error first, and then SIGHUP. The program is to end by the signal.
-        thread::sleep(TICK);
+        // A terminal that closes causes an error first, and then SIGHUP, by which the program is to end. On a
+        // busy computer, the thread that receives the signal may have to wait for its turn.
+        thread::sleep(10 * TICK);
     }
     terminal.end_if_signalled();
     result
