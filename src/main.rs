@@ -231,7 +231,7 @@ impl Renderer {
 
         // In a cell of the picture, 1/z = 0 means infinitely far away, so that any sample is nearer. Column
         // 0, row 0 and the rows below the picture have infinity instead, which no sample exceeds, so that
-        // nothing is drawn there. (Only in the first frame does the z-buffer have to grow.)
+        // nothing is drawn there. They get it in the first frame, where the z-buffer grows, and keep it.
         self.zbuffer.resize(width * (height + 2), f32::INFINITY);
         for row in 1..height {
             self.zbuffer[row * width + 1..(row + 1) * width].fill(0.0);
@@ -259,7 +259,7 @@ impl Renderer {
             // donut.c skips the samples outside the picture. Here, the z-buffer rejects those below it. None
             // has a negative x or y, because every view has room for the bounding sphere on the left and at
             // the top. A sample on the right edge, where x is `width`, counts as one in column 0 of the next
-            // row.
+            // row, and is rejected there.
             for i in 0..phi_count {
                 cells[i] = truncate(x[i]) + width as u32 * truncate(y[i]);
             }
@@ -396,21 +396,22 @@ struct Ray {
     lu: f64,
 }
 
-/// The numbers p, q, r and w of a ray's quartic G, which is 0 where the ray meets the surface, positive
-/// outside the donut, and negative inside. `Torus::quartic` derives it.
+/// A ray's quartic G, as the coefficients p, q and r, and the place w of its inflections. G is 0 where the
+/// ray meets the surface, positive outside the donut, and negative inside. `Torus::quartic` derives it.
 /// ```text
 /// G(s) = (s^2 + p)^2 + q s + r
 ///
-///  G  \           .---.           /
-///      \        .'     '.        /
-///  -----s1----s2---------s3----s4---> s
-///        '.  .'           '.  .'
-///          ''  -w        w  ''
+///  G  \              .---.              /
+///      \           .'     '.           /
+///  -----s1-------s2---------s3-------s4---> s
+///        '.    .'             '.    .'
+///          '..'                 '..'
+///             -w               w
 /// ```
 ///
-/// The inflections are at -w and w, where the second derivative, 12 s^2 + 4 p, is 0. (They need not be at s2
-/// and s3.) G is concave between them, and convex on either side. If p is not negative, G is convex
-/// everywhere, with a single valley; w is then set to 0.
+/// The inflections are at -w and w, where the second derivative, 12 s^2 + 4 p, is 0. G is concave between
+/// them, and convex on either side. If p is not negative, G is convex everywhere, with a single valley; w is
+/// then set to 0.
 type Quartic = [f64; 4];
 
 /// The s of a ray that misses the donut.
@@ -479,7 +480,8 @@ impl Torus {
         let sphere_radius = 1.0 + self.r2;
         let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(0.0).sqrt();
         // If f grows along the ray, the ray enters the slice through the plane f = -1, otherwise through
-        // f = 1. If f does not change, this is infinite, or NaN, which `max` ignores.
+        // f = 1. If f does not change, `slice_entry` is -infinity for a ray inside the slice, either infinity
+        // for one outside, and NaN, which `max` ignores, for one in a plane.
         let plane = -f64::copysign(1.0, fu);
         let slice_entry = (plane - f0) / fu;
         sphere_entry.max(slice_entry)
@@ -507,10 +509,10 @@ impl Torus {
 
     /// The s of each ray's first hit, or `MISS`.
     ///
-    /// The viewer is outside the donut, so a ray's first hit is where its G first falls to 0. Coming from the
-    /// left, G can do so once before -w, at s1 in the drawing of `Quartic`. If it does not, it is not
-    /// negative at -w, and can do so once from there on, at s3. (If there is a single valley, a hit left of 0
-    /// counts as s1, and any other as s3.)
+    /// The viewer is outside the donut, so a ray's first hit is where its G first falls to 0. Left of -w, G
+    /// can do so only once, at s1 in the drawing of `Quartic`. If there is no s1, G is not negative at -w,
+    /// and from there on, too, it can fall to 0 only once, at s3. (If there is a single valley, a hit left of
+    /// 0 counts as s1, and any other as s3.)
     ///
     /// Each search uses Newton's method, which steps from s to the root of the tangent at s:
     /// ```text
@@ -524,20 +526,25 @@ impl Torus {
     /// ```
     ///
     /// *No step passes a root.* A convex curve lies above its tangents. So where G is convex and positive,
-    /// the tangent falls to 0 before G does, and a step ends before the next root or at it, unless it leaves
-    /// the convex part; hence the jump. A concave curve lies below its tangents, so the same holds where G is
-    /// concave and negative.
+    /// the tangent falls to 0 before G does, and a step to the right ends before the root or at it, unless it
+    /// leaves the convex part. A concave curve lies below its tangents. So where G is concave and negative, a
+    /// step to the left ends before the root or at it as well.
     ///
-    /// *The start at w is safe.* The search is at w only if there is no s1: the ray enters right of -w, or
-    /// the steps left of -w have found none. Then G is not negative at -w. If G is positive at w, it is
-    /// positive between -w and w as well, because a concave curve lies above its chords. So s3, if there is
-    /// one, is further right, where G is convex. If G is 0 or negative at w, s3 is between -w and w, and G
-    /// falls all the way from s3 to w: a step from w leads left. (A ray that only grazes the donut at w = 0
-    /// has the slope 0 there, and counts as a miss.)
+    /// *Where G rises, there is no root.* If the steps to the right come to a place where G rises, they are
+    /// past the bottom of the valley, and have passed no root. So the valley does not reach down to 0. The
+    /// same is true if a step from the left of -w leads to -w or beyond.
     ///
-    /// *Every search ends.* The steps go in one direction, and each is longer than TOLERANCE, except the
-    /// last. Those to the right cannot go on for ever, because far to the right G is positive and rises, so
-    /// that a step would lead left. Those to the left end at -w at the latest.
+    /// *The start at w is safe.* The search is at w only if there is no s1, so that G is not negative at -w.
+    /// If G is positive at w, it is positive between -w and w as well, because a concave curve lies above its
+    /// chords. So s3, if there is one, is further right, where G is convex. If G is 0 or negative at w, s3 is
+    /// at w or left of it, and G falls all the way from s3 to w. Then no step leads right, so that the search
+    /// is still at w, and steps left. (A ray that only grazes the donut at w = 0 has the slope 0 there, and
+    /// counts as a miss.)
+    ///
+    /// *Every search ends.* As long as the steps go on, some search jumps, which each does once at most, or
+    /// takes a step longer than TOLERANCE, always in the same direction. To the right, this cannot go on for
+    /// ever, because far to the right G is positive and rises, so that a step would lead left. To the left,
+    /// it ends at -w at the latest.
     fn first_hits<const N: usize>(&self, rays: &[Ray; N]) -> [f64; N] {
         // Each coefficient has an array of its own, so that one instruction loads it for several rays.
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
@@ -588,7 +595,7 @@ const TOLERANCE: f64 = 1e-8;
 // that call them: `&` and `|` evaluate both sides, and each `if` only chooses between two values.
 
 /// The root of the tangent at s, which is where Newton's method steps, and the slope of G at s. Where the
-/// slope is 0, the root is infinite or NaN.
+/// slope is 0, the root is infinite or NaN, and a step to the right does as if G rose.
 fn tangent([p, q, r, _]: Quartic, s: f64) -> (f64, f64) {
     let base = s * s + p;
     let slope = 4.0 * base * s + q;
@@ -603,14 +610,15 @@ fn step_right(quartic @ [.., w]: Quartic, s: f64) -> (f64, bool) {
     (if jumps { w } else { next }, jumps | (next - s > TOLERANCE))
 }
 
-/// The same for a search between -w and w. Any other has ended, and stays where it is.
+/// Where a search at w, or left of it, goes from s, and whether it goes on from there. Any other has ended,
+/// and stays: right of w and at MISS because `s <= w` is false, and left of -w because `next` is further
+/// right.
 fn step_left(quartic @ [.., w]: Quartic, s: f64) -> (f64, bool) {
     let (root, _) = tangent(quartic, s);
-    // s3 is right of -w. Only rounding can make a step seem to lead past -w. (A search that has ended left of
-    // -w stays there, because its `next` is further right.)
+    // s3 is right of -w. Only rounding can make a step seem to lead past -w.
     let next = if root > -w { root } else { -w };
-    let steps = (s <= w) & (next < s);
-    (if steps { next } else { s }, steps & (s - next > TOLERANCE))
+    let goes_left = (s <= w) & (next < s);
+    (if goes_left { next } else { s }, goes_left & (s - next > TOLERANCE))
 }
 
 // ---- Options -------------------------------------------------------------------------------------
@@ -689,8 +697,8 @@ struct Options {
 
     /// Rows [default: all but 2, or 22 in a pipe]
     ///
-    /// From 1 to 4096. On a terminal, at most its rows minus 2, or 1 row.
-    /// The top row stays empty, and so does the first column.
+    /// From 1 to 4096. On a terminal, at most its rows minus 2, but at
+    /// least 1. The top row stays empty, and so does the first column.
     #[arg(long, help_heading = "Size", value_name = "ROWS", verbatim_doc_comment)]
     #[arg(value_parser = within(SIZES))]
     height: Option<u16>,
@@ -774,7 +782,7 @@ fn parse_color(text: &str) -> Result<Color, String> {
 }
 
 impl Options {
-    /// What is wrong with values that are allowed one by one, but not together.
+    /// What is wrong with the values of --k2 and --method, whose rules depend on other options.
     fn conflict(&self) -> Option<String> {
         let &Options { method, r2, k2, .. } = self;
         // Rounded up to six decimals, so that a user can type what the message shows.
@@ -829,7 +837,7 @@ impl Options {
 /// The longest that the loop sleeps, so that it soon notices a signal, a key or a new size.
 const TICK: Duration = Duration::from_millis(50);
 
-const ESCAPE: u8 = 0x1b;
+const ESC: u8 = 0x1b;
 const CTRL_Z: u8 = 0x1a;
 
 fn main() -> ExitCode {
@@ -857,12 +865,12 @@ fn run(options: &Options) -> io::Result<()> {
     }
     let terminal = Terminal::new(output, options)?;
     let played = play(options, &terminal.output, Some(terminal));
-    let left = terminal.leave();
-    let result = played.and(left);
+    let restored = terminal.leave();
+    let result = played.and(restored);
     if result.is_err() {
-        // A terminal that closes causes an error first, and then SIGHUP, by which the program is to end. On a
-        // busy computer, the thread that receives the signal may have to wait for its turn.
-        thread::sleep(10 * TICK);
+        // When a terminal closes, the error may come before SIGHUP, by which the program is to end, and on a
+        // busy computer, the thread that receives the signal may be late.
+        thread::sleep(Duration::from_millis(500));
     }
     terminal.end_if_signalled();
     result
@@ -872,14 +880,14 @@ fn run(options: &Options) -> io::Result<()> {
 /// draws a frame if the next one is due, or if a key or a new size asks for the same one again. As it sleeps
 /// for a TICK at most, most iterations draw nothing while the donut is paused, or at a low frame rate.
 fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::Result<()> {
-    let mut renderer = options.renderer(None); // On a terminal, another one replaces it at once.
-    let mut terminal_size = None;
+    let mut terminal_size = terminal.map(Terminal::size).transpose()?;
+    let mut renderer = options.renderer(terminal_size);
     let mut clear = true; // donut.c, too, begins by clearing the screen.
     let mut key_reader = KeyReader::new();
     let (mut is_paused, mut is_shaded) = (false, true);
 
-    let mut next = [options.a, options.b]; // The angles of the frame to come.
-    let mut angles = next; // Those of the last frame, which may have to be drawn again.
+    let mut next_angles = [options.a, options.b]; // Those of the frame to come.
+    let mut angles = next_angles; // Those of the last frame, which may have to be drawn again.
     let mut frame_count = 0;
     let mut due = Instant::now();
 
@@ -905,7 +913,7 @@ fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::
             }
             for key in key_reader.keys(&terminal.read()) {
                 match key {
-                    b'q' | b'Q' | ESCAPE => return Ok(()),
+                    b'q' | b'Q' | ESC => return Ok(()),
                     b'p' | b'P' => is_paused = !is_paused,
                     b' ' => is_shaded = !is_shaded,
                     CTRL_Z => {
@@ -920,8 +928,8 @@ fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::
 
         let is_due = !is_paused && due <= Instant::now();
         if is_due {
-            angles = next;
-            next = next_angles(renderer.method, angles, options.spin);
+            angles = next_angles;
+            next_angles = advance(renderer.method, angles, options.spin);
             frame_count += 1;
             // Each frame is due one interval after the one before was due, so that delays do not add up. But
             // after a stall, the next is due now, so that the missed frames do not come in a burst.
@@ -940,9 +948,9 @@ fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::
 }
 
 /// The angles A and B of the next frame. donut.c keeps its angles in variables of type `float`, so each of
-/// its sums is rounded, and the errors add up, until its donut stands still. `Classic` has to make the very
-/// same errors.
-fn next_angles(method: Method, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
+/// its sums is rounded, and the errors add up. In the end, the sums are so large that a step no longer
+/// changes them, and the donut stands still. `Classic` has to make the very same errors.
+fn advance(method: Method, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| match method {
         Method::Classic => add_step(angles[i] as f32, spin[i]).into(),
         Method::Exact => angles[i] + spin[i],
@@ -1067,15 +1075,15 @@ impl Terminal {
         // A signal may have cut a frame short, in the middle of a row.
         queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
         if self.uses_alternate_screen {
-            // The alternate screen is cleared, because after a change of size, tmux would copy some of it
-            // into the shell's screen. Code 1047 makes sure that it is not the shell's screen that is
-            // cleared: during a stop, another program may have switched to that. (`EnterAlternateScreen`,
-            // code 1049, would also save the cursor: in some terminals, over the one that `enter` saved.)
+            // If the alternate screen were not cleared, tmux would copy some of it into the shell's screen
+            // after a change of size. Code 1047 switches to it first, because during a stop, another program
+            // may have switched to the shell's screen. (`EnterAlternateScreen`, code 1049, would switch as
+            // well, but in some terminals also overwrite the cursor's place that `enter` has saved.)
             queue!(bytes, Print("\x1b[?1047h"), Clear(ClearType::All), LeaveAlternateScreen)?;
         }
         let written = self.output.write(&bytes);
         self.restore_settings();
-        // Only now: should there be a panic above, its hook leaves the terminal after all.
+        // This comes last, so that after a panic in the lines above, the hook still leaves the terminal.
         self.is_entered.store(false, SeqCst);
         written
     }
@@ -1091,10 +1099,10 @@ impl Terminal {
 
     /// What the threads that receive the signals do: asks the loop to end, and watches whether it does.
     ///
-    /// The loop may be in the middle of a write. If another program is writing, the loop's write gets its
-    /// turn in the end, and so does the write that restores the screen. But if the terminal takes no more
-    /// output, these writes would wait for ever. So after three seconds, this restores at least the settings,
-    /// which is not a write, and ends the program.
+    /// The loop may be in the middle of a write. Another program that writes only delays it, and then the
+    /// write that restores the screen; but a terminal that takes no more output would make them wait for
+    /// ever. So after three seconds, this restores at least the settings, which is not a write, and ends the
+    /// program. The screen then stays as it is.
     fn enforce_end(&self, signal: i32) {
         let _ = self.end_signal.set(signal); // Fails if another signal came first.
         thread::sleep(Duration::from_secs(3));
@@ -1105,10 +1113,11 @@ impl Terminal {
 
 /// Picks the single-byte keys out of what a terminal sends.
 ///
-/// An arrow key, for example, sends an escape code: an ESC and more bytes. So does the terminal's answer to a
-/// question of an earlier program, which may arrive late and in pieces. Each code is followed to its end, by
-/// the grammar of ECMA-48. If a read finds nothing, a TICK or more after the last byte, then the rest of the
-/// code will not come. The code is dropped; but if it is only an ESC, that is the Esc key.
+/// An arrow key, for example, sends an escape code: an ESC and more bytes. The terminal's answer to a
+/// question of an earlier program is such a code as well, and may arrive late and in pieces. Each code is
+/// followed to its end, by the grammar of ECMA-48. If a read finds nothing, a TICK or more after the last
+/// byte, the rest of the code is taken not to come. The code is dropped; but if it is only an ESC, that is
+/// the Esc key.
 struct KeyReader {
     state: State,
     last_arrival: Instant,
@@ -1141,16 +1150,16 @@ impl KeyReader {
             self.last_arrival = Instant::now();
         } else if self.last_arrival.elapsed() >= TICK {
             if self.state == Escape {
-                keys.push(ESCAPE);
+                keys.push(ESC);
             }
             self.state = Ground;
         }
         for &byte in bytes {
-            if self.state == Ground && byte != ESCAPE {
+            if self.state == Ground && byte != ESC {
                 keys.push(byte);
             }
             self.state = match (self.state, byte) {
-                (_, ESCAPE) => Escape,
+                (_, ESC) => Escape,
                 (Escape, b'[' | b'O') => ControlSequence,
                 (Escape, b'P' | b'X' | b']' | b'^' | b'_') => ControlString,
                 (Escape, _) => Ground, // Alt and a key, for example.
@@ -1189,10 +1198,10 @@ mod system {
     pub fn open_output() -> io::Result<(File, bool)> {
         let stdout = io::stdout();
         if stdout.is_terminal() {
-            // The program's controlling terminal is the one that it was started from. Under the name
-            // /dev/tty, even a user to whom the terminal does not belong may open it.
+            // The controlling terminal, which the program was started from, is opened as /dev/tty: under this
+            // name, even a user to whom it does not belong may open it. NOTTY says that it is another one.
             let path = match termios::tcgetpgrp(&stdout) {
-                Err(rustix::io::Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()), // Another one.
+                Err(rustix::io::Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
                 _ => Ok(c"/dev/tty".into()),
             };
             let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC;
@@ -1339,7 +1348,7 @@ mod system {
                 let key = event.as_key_press_event();
                 let key = key.filter(|key| (key.modifiers - KeyModifiers::SHIFT).is_empty());
                 keys.extend(key.and_then(|key| match key.code {
-                    KeyCode::Esc => Some(ESCAPE),
+                    KeyCode::Esc => Some(ESC),
                     code => code.as_char()?.try_into().ok(),
                 }));
             }

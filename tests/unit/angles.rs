@@ -11,7 +11,7 @@ const SPIN: [f64; 2] = [0.04, 0.02];
 fn exact_still_turns_after_2_to_the_40_frames() {
     for (frames, error) in [(0, 1e-9), (1_000_000, 1e-9), (FROZEN, 1e-9), (1 << 40, 1e-5)] {
         let [a, b] = SPIN.map(|step| frames as f64 * step);
-        let [next_a, next_b] = next_angles(Method::Exact, [a, b], SPIN);
+        let [next_a, next_b] = advance(Method::Exact, [a, b], SPIN);
         assert!((next_a - a - 0.04).abs() < error && (next_b - b - 0.02).abs() < error);
 
         let view = fitted(100, 30);
@@ -27,7 +27,7 @@ fn classic_stands_still_from_the_frozen_frame_on() {
     let mut angles = [0.0; 2];
     let first_still_frame = (0..=FROZEN).find(|_| {
         let before = angles;
-        angles = next_angles(Method::Classic, angles, SPIN);
+        angles = advance(Method::Classic, angles, SPIN);
         angles == before
     });
     assert_eq!(first_still_frame, Some(FROZEN));
