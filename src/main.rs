@@ -224,8 +224,7 @@ impl Renderer {
     fn plot_samples(&mut self, a: f32, b: f32) {
         let View { width, height, r2, k2, cx, cy, k1x, k1y } = self.view;
         let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
-        let (sin_a, cos_a) = c_sin_cos(a);
-        let (sin_b, cos_b) = c_sin_cos(b);
+        let [(sin_a, cos_a), (sin_b, cos_b)] = [a, b].map(c_sin_cos);
         let tables = self.tables.get_or_insert_with(|| angle_steps(&self.view).map(trig_table));
         let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] = tables;
 
@@ -241,9 +240,7 @@ impl Renderer {
         // slices tell it that there are as many sines as cosines, which saves the bounds checks.
         let phi_count = sin_phis.len();
         let (sin_phis, cos_phis) = (&sin_phis[..phi_count], &cos_phis[..phi_count]);
-        let mut ooz = vec![0.0; phi_count];
-        let mut x = vec![0.0; phi_count];
-        let mut y = vec![0.0; phi_count];
+        let [mut ooz, mut x, mut y] = [(); 3].map(|_| vec![0.0; phi_count]);
         let mut cells = vec![0; phi_count];
 
         for (&sin_theta, &cos_theta) in sin_thetas.iter().zip(cos_thetas.iter()) {
@@ -864,9 +861,7 @@ fn run(options: &Options) -> io::Result<()> {
         return play(options, &output, None);
     }
     let terminal = Terminal::new(output, options)?;
-    let played = play(options, &terminal.output, Some(terminal));
-    let restored = terminal.leave();
-    let result = played.and(restored);
+    let result = play(options, &terminal.output, Some(terminal)).and(terminal.leave());
     if result.is_err() {
         // When a terminal closes, the error may come before SIGHUP, by which the program is to end, and on a
         // busy computer, the thread that receives the signal may be late.
@@ -897,7 +892,7 @@ fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::
 
         let was_shaded = is_shaded;
         if let Some(terminal) = terminal {
-            if terminal.end_signal.get().is_some() {
+            if terminal.is_ending.load(SeqCst) {
                 break;
             }
             if terminal.is_in_background() {
@@ -1020,7 +1015,10 @@ struct Terminal {
     is_entered: AtomicBool,
     /// Whether the program was stopped and has been continued since.
     was_continued: AtomicBool,
-    /// The signal that asks the program to end: the first, if several come.
+    /// Whether a signal has asked the program to end. Its handler says so, which interrupts the loop even in
+    /// a write. So if Ctrl-C frees a stuck terminal, the loop does not fill it again.
+    is_ending: AtomicBool,
+    /// This signal, or the first, if several come. It is known a moment later: a thread says so.
     end_signal: OnceLock<i32>,
 }
 
@@ -1036,6 +1034,7 @@ impl Terminal {
             uses_alternate_screen: options.frames.is_none(),
             is_entered: AtomicBool::new(false),
             was_continued: AtomicBool::new(false),
+            is_ending: AtomicBool::new(false),
             end_signal: OnceLock::new(),
         }));
         let previous_hook = panic::take_hook();
@@ -1044,8 +1043,7 @@ impl Terminal {
             previous_hook(info);
             process::exit(101) // By itself, a panic ends the program only in the main thread.
         }));
-        terminal.catch_signals()?;
-        Ok(terminal)
+        terminal.catch_signals().and(Ok(terminal))
     }
 
     /// Enters the terminal, unless the program has entered it already. Returns whether it did so just now.
@@ -1091,9 +1089,12 @@ impl Terminal {
     /// If a signal has asked the program to end, ends the program by that signal, so that a shell, and a loop
     /// or script that runs the program, can tell what ended it.
     fn end_if_signalled(&self) {
-        if let Some(&signal) = self.end_signal.get() {
-            system::raise(signal);
-            process::exit(128 + signal) // What a shell would say of a program that the signal ended.
+        while self.is_ending.load(SeqCst) {
+            if let Some(&signal) = self.end_signal.get() {
+                system::raise(signal);
+                process::exit(128 + signal) // What a shell would say of a program that the signal ended.
+            }
+            thread::sleep(Duration::from_millis(1));
         }
     }
 
@@ -1105,6 +1106,7 @@ impl Terminal {
     /// program. The screen then stays as it is.
     fn enforce_end(&self, signal: i32) {
         let _ = self.end_signal.set(signal); // Fails if another signal came first.
+        self.is_ending.store(true, SeqCst); // On Windows, there is no handler that has done so.
         thread::sleep(Duration::from_secs(3));
         self.restore_settings();
         self.end_if_signalled();
@@ -1177,9 +1179,8 @@ mod system {
     use super::*;
     use rustix::fs::{self, Mode, OFlags};
     use rustix::process::{Signal, getpgrp, kill_current_process_group};
-    use rustix::termios::{
-        self, InputModes, LocalModes, OptionalActions, OutputModes, SpecialCodeIndex, Termios,
-    };
+    use rustix::termios::OptionalActions::Now;
+    use rustix::termios::{self, InputModes, LocalModes, OutputModes, SpecialCodeIndex, Termios};
     use signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTERM};
     use signal_hook::iterator::Signals;
     use signal_hook::{flag, low_level};
@@ -1231,10 +1232,14 @@ mod system {
     }
 
     impl Terminal {
+        /// ctrlc catches SIGINT, as on every system, and signal-hook the signals that only Unix has.
         pub fn catch_signals(&'static self) -> io::Result<()> {
             flag::register(SIGCONT, &self.was_continued)?;
             ctrlc::set_handler(|| self.enforce_end(SIGINT)).map_err(io::Error::other)?;
             let mut signals = Signals::new([SIGHUP, SIGQUIT, SIGTERM])?;
+            for signal in [SIGINT, SIGHUP, SIGQUIT, SIGTERM] {
+                flag::register(signal, &self.is_ending)?;
+            }
             let enforce = move || signals.forever().for_each(|signal| self.enforce_end(signal));
             thread::Builder::new().spawn(enforce).map(drop)
         }
@@ -1249,9 +1254,8 @@ mod system {
 
         /// The columns and rows. A terminal that does not know its size reports 0, and is taken for 80x24.
         pub fn size(&self) -> io::Result<(u16, u16)> {
-            let size = termios::tcgetwinsize(&self.output.file)?;
-            let is_known = size.ws_col > 0 && size.ws_row > 0;
-            Ok(if is_known { (size.ws_col, size.ws_row) } else { (80, 24) })
+            let termios::Winsize { ws_col, ws_row, .. } = termios::tcgetwinsize(&self.output.file)?;
+            Ok(if ws_col > 0 && ws_row > 0 { (ws_col, ws_row) } else { (80, 24) })
         }
 
         /// Sets cbreak mode, and the rest that the program needs. The first call saves what it finds.
@@ -1277,14 +1281,14 @@ mod system {
             // interrupts, Ctrl-C. The system looks for an interrupt first, so Ctrl-C still interrupts.
             changed.special_codes[SpecialCodeIndex::VSUSP] =
                 changed.special_codes[SpecialCodeIndex::VINTR];
-            let _ = termios::tcsetattr(&self.output.file, OptionalActions::Now, &changed);
+            let _ = termios::tcsetattr(&self.output.file, Now, &changed);
         }
 
         /// Restores the saved settings, but not in the background, where the settings are the shell's, and
         /// changing them would stop the program.
         pub fn restore_settings(&self) {
             if let Some(settings) = SETTINGS.get().filter(|_| !self.is_in_background()) {
-                let _ = termios::tcsetattr(&self.output.file, OptionalActions::Now, settings);
+                let _ = termios::tcsetattr(&self.output.file, Now, settings);
             }
         }
 

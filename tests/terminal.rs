@@ -439,23 +439,25 @@ fn the_first_signal_ends_donut_on_a_stuck_terminal_and_restores_its_settings() {
     });
 }
 
-/// For Ctrl-C, the system makes room: it discards what the terminal has not taken yet. Without a shell that
-/// could resume it, Ctrl-Z makes donut leave the terminal and enter it again.
+/// For Ctrl-C, the system makes room: it discards what the terminal has not taken yet. donut must not fill it
+/// again. Without a shell that could resume it, Ctrl-Z makes donut leave the terminal and enter it again.
 #[test]
 fn ctrl_c_restores_a_terminal_that_is_stuck_in_a_frame() {
-    let pty = run_unread("--color=red", SIZE);
-    pty.read_until(|pty| frame_count(pty) > 0);
-    pty.type_bytes(b"\x1a");
-    pty.read_until(|pty| enter_count(pty) == 2);
-    pty.read_until(|pty| pty.screen(vt100::Screen::fgcolor) != vt100::Color::Default);
-    pty.wait_until_full();
-    pty.type_bytes(b"\x03");
-    assert_eq!(pty.wait_for_exit(), 130);
-    pty.start_reading(1 << 16, Duration::ZERO);
-    pty.assert_ends(130);
-    assert!(pty.written().ends_with(LEAVE));
-    // Even after a frame that was cut short, the prompt is in column 0.
-    assert_eq!(pty.screen(vt100::Screen::cursor_position).1, 0);
+    side_by_side(&["", "--fps=0"].repeat(8), |options| {
+        let pty = run_unread(&format!("--color=red {options}"), SIZE);
+        pty.read_until(|pty| frame_count(pty) > 0);
+        pty.type_bytes(b"\x1a");
+        pty.read_until(|pty| enter_count(pty) == 2);
+        pty.read_until(|pty| pty.screen(vt100::Screen::fgcolor) != vt100::Color::Default);
+        pty.wait_until_full();
+        pty.type_bytes(b"\x03");
+        assert_eq!(pty.wait_for_exit(), 130);
+        pty.start_reading(1 << 16, Duration::ZERO);
+        pty.assert_ends(130);
+        assert!(pty.written().ends_with(LEAVE));
+        // Even after a frame that was cut short, the prompt is in column 0.
+        assert_eq!(pty.screen(vt100::Screen::cursor_position).1, 0);
+    });
 }
 
 /// Linux lets one program at a time write to a terminal. Here another program is inside its write, and waits
