@@ -63,6 +63,9 @@ fn methods() -> Vec<NamedMethod> {
         own_method("exact", Renderer::new(view, Method::Exact)),
         tracing("exact one ray at a time", view, Torus::first_hits::<1>),
         ray_by_ray("closed form f64", view, closed_form),
+        ray_by_ray("Newton", view, newton_once),
+        ray_by_ray("Ferrari f32", view, |torus, ray| textbook_f32(torus, 5.0, ray)),
+        ray_by_ray("Ferrari f64", view, |torus, ray| textbook_f64(torus, 5.0, ray)),
     ];
     for (name, factor) in [("x4", 4.0), ("x2", 2.0), ("x1/2", 0.5), ("x1/4", 0.25)] {
         let renderer = with_steps(view, 0.07 * factor, 0.02 * factor);
@@ -288,12 +291,12 @@ fn the_figures_in_the_texts_are_those_measured() {
     for (name, words, value) in [
         ("README.md", "it is about # times as fast as a literal", exact),
         ("README.md", "Classic is about # times as fast", own),
-        ("README.md", "but #% of the donut's cells", shades),
+        ("README.md", "the same: #% of the donut's cells", shades),
         ("README.md", "blank, # for every 100 of the donut's own", rim),
         ("README.md", "precision, gets #% of the cells wrong", far),
         (STUDY, "differs: #% of the donut's cells", shades),
         (STUDY, "all round, # for every 100 of the donut's own", rim),
-        (STUDY, "donut.c's *error* is #%: the wrong", share("classic x1")),
+        (STUDY, "So donut.c's error is #%.", share("classic x1")),
         (STUDY, "half as long, the error is #%;", share("classic x1/2")),
         (STUDY, "a quarter as long, #%.", share("classic x1/4")),
         (STUDY, "Exact is about # times as fast as a literal", exact),
