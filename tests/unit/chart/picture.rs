@@ -20,10 +20,8 @@ fn svg(title: &str, (width, height): (f64, f64), style: &str, contents: &str) ->
 /// The width and the height of a cell, in pixels.
 const CELL: (f64, f64) = (9.6, 19.2);
 const CELLS: &str = "text{font:16px ui-monospace,Menlo,Consolas,'DejaVu Sans Mono',monospace;\
-                     fill:#e6e6e6;white-space:pre}";
-
-/// For the cells that differ from exact's, and for the glyphs in them.
-const WRONG: &str = ".wrong,.hole{fill:#ff9d5c}rect.wrong{fill:#5a3418}";
+                     fill:#e6e6e6;white-space:pre}\
+                     .wrong,.hole{fill:#ff9d5c}rect.wrong{fill:#5a3418}";
 
 fn pixels(columns: usize, rows: usize) -> (f64, f64) {
     (columns as f64 * CELL.0, rows as f64 * CELL.1)
@@ -122,9 +120,8 @@ pub fn two_methods() -> String {
         texts += &run(left, 1, "", name);
         texts += &compared([picture, &exact], view.width, (COLUMNS, 0..15), (left, 2));
     }
-    let style = format!("{CELLS}{WRONG}");
     let title = "A donut drawn by classic, and the same donut drawn by exact";
-    svg(title, pixels(right + COLUMNS.len() + 1, 18), &style, &texts)
+    svg(title, pixels(right + COLUMNS.len() + 1, 18), CELLS, &texts)
 }
 
 /// Methods that fail, each in a scene of the study's table. Of the ten poses, this shows the one with the most
@@ -134,14 +131,14 @@ pub fn failures() -> String {
     const PART: (usize, usize) = (46, 20);
     let mut texts = String::new();
     let shown = [
-        ("donut.c's steps", "--k2 3.003"),
-        ("Sphere tracing", "--k2 3.003"),
-        ("Newton", "--r2 9 --k2 25"),
-        ("Ferrari, f32", "--k2 50"),
-        ("Ferrari, f64", "edge-on"),
-        ("Ferrari, f64", "--k2 50000"),
+        ("donut.c's steps", "gaps", "--k2 3.003"),
+        ("Sphere tracing", "lost outline", "--k2 3.003"),
+        ("Newton", "far wall", "--k2 50"),
+        ("Ferrari, f32", "rounding", "--k2 50"),
+        ("Ferrari, f64", "division", "edge-on"),
+        ("Ferrari, f64", "rounding", "--k2 50000"),
     ];
-    for (n, (name, scene)) in shown.into_iter().enumerate() {
+    for (n, (name, failure, scene)) in shown.into_iter().enumerate() {
         let (_, view, poses) = scenes().into_iter().find(|other| other.0 == scene).unwrap();
         let mut methods = compared_methods(view);
         methods.retain(|method| [name, "Exact"].contains(&&*method.0));
@@ -164,15 +161,14 @@ pub fn failures() -> String {
         let corner = ((first.0 + last.0) / 2, (first.1 + last.1) / 2);
         let (left, top) = (2 + n % 3 * (PART.0 + 4), 2 + n / 3 * (PART.1 + 6));
         let (x, y) = pixels(left, top);
-        texts += &format!(
-            "<text class=\"name\" x=\"{x:.1}\" y=\"{y:.1}\">{name} <tspan>{scene}</tspan></text>\n"
-        );
+        let title = format!("{name}: {failure}<tspan x=\"{x:.1}\" dy=\"28\">{scene}</tspan>");
+        texts += &format!("<text class=\"name\" x=\"{x:.1}\" y=\"{y:.1}\">{title}</text>\n");
         let both = pictures.each_ref().map(Vec::as_slice);
-        texts += &compared(both, view.width, part(corner), (left, top + 1));
+        texts += &compared(both, view.width, part(corner), (left, top + 2));
     }
-    let style = format!("{CELLS}{WRONG}.name{{font-size:26px}}tspan{{fill:#9aa3ad}}");
+    let style = format!("{CELLS}.name{{font-size:25px}}tspan{{fill:#9aa3ad}}");
     let title = "Frames of methods that fail, with the wrong cells in orange";
-    svg(title, pixels(3 * (PART.0 + 4), 2 * (PART.1 + 6) - 2), &style, &texts)
+    svg(title, pixels(3 * (PART.0 + 4), 2 * (PART.1 + 6) - 1), &style, &texts)
 }
 
 // ---- Charts --------------------------------------------------------------------------------------
@@ -299,9 +295,10 @@ pub fn speed_and_accuracy() -> String {
     let steps = ["x4", "x2", "x1", "x1/2", "x1/4"];
     let classics = steps.map(|steps| time_and_share(&format!("classic {steps}")));
     chart.line("faint", &classics);
-    for (name, at) in steps.into_iter().zip(classics).filter(|&(name, _)| name != "x1") {
+    let labels = ["steps 4x as long", "2x as long", "", "half as long", "1/4 as long"];
+    for (label, at) in labels.into_iter().zip(classics) {
         chart.dot("faint", at, 3);
-        chart.text("grey", at, (-3.0, -13.0), "start", &format!("steps {name}"));
+        chart.text("grey", at, (-3.0, -13.0), "start", label);
     }
     let sphere_tracing = |steps| time_and_share(&format!("sphere tracing {steps}"));
     let tracing = [8, 16, 32, 64, 256].map(sphere_tracing);
@@ -318,6 +315,7 @@ pub fn speed_and_accuracy() -> String {
         ("Ferrari f32", "purple", 3, (9.0, 0.0), "start", "Ferrari, f32"),
         ("Ferrari f64", "purple", 3, (9.0, 0.0), "start", "Ferrari, f64"),
         ("sphere tracing 8", "blue", 3, (9.0, -2.0), "start", "sphere tracing, 8 steps"),
+        ("sphere tracing 64", "blue", 3, (9.0, -4.0), "start", "64"),
         ("sphere tracing 256", "blue", 3, (9.0, -4.0), "start", "256 steps"),
     ] {
         let at = time_and_share(name);
