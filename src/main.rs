@@ -230,7 +230,7 @@ impl Renderer {
 
         // In a cell of the picture, 1/z = 0 means infinitely far away, so that any sample is nearer. Column
         // 0, row 0 and the rows below the picture have infinity instead, which no sample exceeds, so that
-        // nothing is drawn there. They get it in the first frame, where the z-buffer grows, and keep it.
+        // nothing is drawn there. (`resize` sets that in the first frame, and no later one changes it.)
         self.zbuffer.resize(width * (height + 2), f32::INFINITY);
         for row in 1..height {
             self.zbuffer[row * width + 1..(row + 1) * width].fill(0.0);
@@ -280,16 +280,15 @@ impl Renderer {
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
-/// gaps. (At A = B = 1.5708, there are a few gaps in donut.c's own picture, and in larger pictures as well.)
-/// In a larger picture, k1x and k1y are n times donut.c's, and each step is divided by n, so that the samples
-/// stay about a cell apart. If the cells have another shape, k1x and k1y are different multiples of
-/// donut.c's, and n is the larger one.
+/// gaps. (At A = B = 1.5708, there are a few.) In a larger picture, k1x and k1y are n times donut.c's, and
+/// each step is divided by n, so that the samples stay about a cell apart. If the cells have another shape,
+/// k1x and k1y are different multiples of donut.c's, and n is the larger one.
 fn angle_steps(view: &View) -> [f64; 2] {
     let n = f64::max(view.k1x / View::DONUT_C.k1x, view.k1y / View::DONUT_C.k1y).max(1.0);
     [0.07 / n, 0.02 / n]
 }
 
-/// The angles are 0, `step`, and so on, once round.
+/// The table of one of donut.c's loops, whose angle goes from 0 in steps of `step`, once round.
 fn trig_table(step: f64) -> TrigTable {
     let angles = std::iter::successors(Some(0.0), |&angle| Some(add_step(angle, step)));
     // donut.c stops at 6.28. With its own steps, TAU gives the same angles. With shorter steps, stopping at
@@ -349,7 +348,7 @@ impl Renderer {
             let half_width = (outline * outline - dy * dy).max(0.0).sqrt() * k1x;
             let end = width.min((cx + half_width) as usize + 1);
 
-            // The last N rays may reach beyond `end`. Their hits are not used.
+            // The last group of N rays may reach beyond `end`. Those hits are not used.
             for column in ((cx - half_width) as usize..end).step_by(N) {
                 let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
                 let rays = array::from_fn(|i| torus.ray(dx(i), dy, k2));
@@ -416,8 +415,7 @@ const MISS: f64 = f64::INFINITY;
 
 impl Torus {
     fn new(r2: f64, a: f64, b: f64) -> Torus {
-        let (sin_a, cos_a) = a.sin_cos();
-        let (sin_b, cos_b) = b.sin_cos();
+        let [(sin_a, cos_a), (sin_b, cos_b)] = [a, b].map(f64::sin_cos);
         Torus { r2, axis: [sin_a * sin_b, -sin_a * cos_b, cos_a] }
     }
 
@@ -426,9 +424,9 @@ impl Torus {
         let [nx, ny, nz] = self.axis;
         // Let alpha be the angle between the ray and the z axis. Then dx^2 + dy^2 is tan^2 alpha, and U is
         // (dx, dy, 1) times cos alpha. The viewer, P0 and the centre form a right triangle, whose hypotenuse
-        // is K2. So d0 is K2 sin alpha, and P0 is K2 cos alpha away from the viewer, at the depth
-        // K2 cos^2 alpha. The x and y of P0 are dx and dy times this depth. Its z is depth - K2, which is
-        // -K2 sin^2 alpha, or -tan^2 alpha times the depth.
+        // is K2. So P0 is K2 cos alpha away from the viewer, at the depth K2 cos^2 alpha, and d0 is K2 sin
+        // alpha, so that d0^2 is K2 tan^2 alpha times the depth. The x and y of P0 are dx and dy times the
+        // depth. Its z is depth - K2, which is -K2 sin^2 alpha, or -tan^2 alpha times the depth.
         let tan_squared = dx * dx + dy * dy;
         let cos = 1.0 / (1.0 + tan_squared).sqrt();
         let depth = k2 * cos * cos;
@@ -477,8 +475,8 @@ impl Torus {
         let sphere_radius = 1.0 + self.r2;
         let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(0.0).sqrt();
         // If f grows along the ray, the ray enters the slice through the plane f = -1, otherwise through
-        // f = 1. If f does not change, `slice_entry` is -infinity for a ray inside the slice, either infinity
-        // for one outside, and NaN, which `max` ignores, for one in a plane.
+        // f = 1. If fu is 0, the ray is parallel to the planes. Inside the slice, `slice_entry` is then
+        // -infinity, and the sphere decides. Elsewhere it may be NaN, which `max` ignores, or anything.
         let plane = -f64::copysign(1.0, fu);
         let slice_entry = (plane - f0) / fu;
         sphere_entry.max(slice_entry)
@@ -507,9 +505,10 @@ impl Torus {
     /// The s of each ray's first hit, or `MISS`.
     ///
     /// The viewer is outside the donut, so a ray's first hit is where its G first falls to 0. Left of -w, G
-    /// can do so only once, at s1 in the drawing of `Quartic`. If there is no s1, G is not negative at -w,
-    /// and from there on, too, it can fall to 0 only once, at s3. (If there is a single valley, a hit left of
-    /// 0 counts as s1, and any other as s3.)
+    /// is convex and comes down from infinity, so it can fall to 0 only once there, at s1 in the drawing of
+    /// `Quartic`. If there is no s1, G is not negative at -w; and as it is concave from there to w, and
+    /// convex after that, it can fall to 0 only once more, at s3. (If p is not negative, w is 0: a hit left
+    /// of 0 counts as s1, and any other as s3.)
     ///
     /// Each search uses Newton's method, which steps from s to the root of the tangent at s:
     /// ```text
@@ -527,21 +526,22 @@ impl Torus {
     /// leaves the convex part. A concave curve lies below its tangents. So where G is concave and negative, a
     /// step to the left ends before the root or at it as well.
     ///
-    /// *Where G rises, there is no root.* If the steps to the right come to a place where G rises, they are
-    /// past the bottom of the valley, and have passed no root. So the valley does not reach down to 0. The
-    /// same is true if a step from the left of -w leads to -w or beyond.
+    /// *A jump misses no s1, and a miss no s3.* The steps to the right pass no root. So if G rises at s, it
+    /// is positive there, and goes on rising as long as it is convex: up to -w, or for ever. And if a step
+    /// from the left of -w leads to -w or beyond, the tangent is positive up to -w, and G lies above it.
     ///
-    /// *The start at w is safe.* The search is at w only if there is no s1, so that G is not negative at -w.
-    /// If G is positive at w, it is positive between -w and w as well, because a concave curve lies above its
-    /// chords. So s3, if there is one, is further right, where G is convex. If G is 0 or negative at w, s3 is
-    /// at w or left of it, and G falls all the way from s3 to w. Then no step leads right, so that the search
-    /// is still at w, and steps left. (A ray that only grazes the donut at w = 0 has the slope 0 there, and
+    /// *The start at w is safe.* The search is at w only if there is no s1: either it has jumped there, or
+    /// the ray enters at -w or later, and no hit comes before the entry. So G is not negative at -w. If G is
+    /// positive at w, it is positive between -w and w as well, because a concave curve lies above its chords.
+    /// So s3, if there is one, is further right, where G is convex. If G is 0 or negative at w, s3 is at w or
+    /// left of it, and G falls all the way from s3 to w. Then no step leads right, so that the search is
+    /// still at w, and steps left. (A ray that only grazes the donut at w = 0 has the slope 0 there, and
     /// counts as a miss.)
     ///
-    /// *Every search ends.* As long as the steps go on, some search jumps, which each does once at most, or
-    /// takes a step longer than TOLERANCE, always in the same direction. To the right, this cannot go on for
-    /// ever, because far to the right G is positive and rises, so that a step would lead left. To the left,
-    /// it ends at -w at the latest.
+    /// *Every search ends.* The N searches go on as long as one of them jumps, which each does once at most,
+    /// or takes a step longer than TOLERANCE. All steps of a search go one way. To the right, they cannot go
+    /// on for ever, because far to the right G is positive and rises, so that a step would lead left. To the
+    /// left, they end at -w at the latest.
     fn first_hits<const N: usize>(&self, rays: &[Ray; N]) -> [f64; N] {
         // Each coefficient has an array of its own, so that one instruction loads it for several rays.
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
@@ -592,7 +592,7 @@ const TOLERANCE: f64 = 1e-8;
 // that call them: `&` and `|` evaluate both sides, and each `if` only chooses between two values.
 
 /// The root of the tangent at s, which is where Newton's method steps, and the slope of G at s. Where the
-/// slope is 0, the root is infinite or NaN, and a step to the right does as if G rose.
+/// slope is 0, the root is infinite or NaN, and a search to the right jumps or ends as a miss.
 fn tangent([p, q, r, _]: Quartic, s: f64) -> (f64, f64) {
     let base = s * s + p;
     let slope = 4.0 * base * s + q;
@@ -607,12 +607,11 @@ fn step_right(quartic @ [.., w]: Quartic, s: f64) -> (f64, bool) {
     (if jumps { w } else { next }, jumps | (next - s > TOLERANCE))
 }
 
-/// Where a search at w, or left of it, goes from s, and whether it goes on from there. Any other has ended,
-/// and stays: right of w and at MISS because `s <= w` is false, and left of -w because `next` is further
-/// right.
+/// The same for a search between -w and w. Any other has ended, and stays: right of w and at MISS because
+/// `s <= w` is false, and left of -w because `next` is further right.
 fn step_left(quartic @ [.., w]: Quartic, s: f64) -> (f64, bool) {
     let (root, _) = tangent(quartic, s);
-    // s3 is right of -w. Only rounding can make a step seem to lead past -w.
+    // s3 is not left of -w. Only rounding can make a step seem to lead past -w.
     let next = if root > -w { root } else { -w };
     let goes_left = (s <= w) & (next < s);
     (if goes_left { next } else { s }, goes_left & (s - next > TOLERANCE))
@@ -861,10 +860,11 @@ fn run(options: &Options) -> io::Result<()> {
         return play(options, &output, None);
     }
     let terminal = Terminal::new(output, options)?;
-    let result = play(options, &terminal.output, Some(terminal)).and(terminal.leave());
-    if result.is_err() {
-        // When a terminal closes, the error may come before SIGHUP, by which the program is to end, and on a
-        // busy computer, the thread that receives the signal may be late.
+    let played = play(options, &terminal.output, Some(terminal));
+    let result = terminal.leave().and(played);
+    if result.is_err() && !terminal.is_ending.load(SeqCst) {
+        // When a terminal closes, a write may fail a moment before SIGHUP arrives, by which the program is to
+        // end. So give the signal time to arrive.
         thread::sleep(Duration::from_millis(500));
     }
     terminal.end_if_signalled();
@@ -872,8 +872,7 @@ fn run(options: &Options) -> io::Result<()> {
 }
 
 /// donut.c's `for (;;)`. On a terminal, each iteration first takes care of signals, the size and the keys. It
-/// draws a frame if the next one is due, or if a key or a new size asks for the same one again. As it sleeps
-/// for a TICK at most, most iterations draw nothing while the donut is paused, or at a low frame rate.
+/// draws a frame if the next one is due, or if a key or a new size asks for the same one again.
 fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::Result<()> {
     let mut terminal_size = terminal.map(Terminal::size).transpose()?;
     let mut renderer = options.renderer(terminal_size);
@@ -897,7 +896,7 @@ fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::
             }
             if terminal.is_in_background() {
                 terminal.leave()?;
-                thread::sleep(TICK);
+                thread::sleep(TICK); // The sleep above is none if a frame is due.
                 continue;
             }
             clear |= terminal.enter()?;
@@ -943,8 +942,8 @@ fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::
 }
 
 /// The angles A and B of the next frame. donut.c keeps its angles in variables of type `float`, so each of
-/// its sums is rounded, and the errors add up. In the end, the sums are so large that a step no longer
-/// changes them, and the donut stands still. `Classic` has to make the very same errors.
+/// its sums is rounded, and the errors add up, until a step no longer changes so large an angle, and the
+/// donut stands still. `Classic` has to make the very same errors.
 fn advance(method: Method, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| match method {
         Method::Classic => add_step(angles[i] as f32, spin[i]).into(),
@@ -1015,10 +1014,11 @@ struct Terminal {
     is_entered: AtomicBool,
     /// Whether the program was stopped and has been continued since.
     was_continued: AtomicBool,
-    /// Whether a signal has asked the program to end. Its handler says so, which interrupts the loop even in
-    /// a write. So if Ctrl-C frees a stuck terminal, the loop does not fill it again.
+    /// Whether a signal has asked the program to end. The signal's handler sets this at once, even while the
+    /// loop waits in a write. So when Ctrl-C frees a stuck terminal, by discarding what it has not taken, the
+    /// loop knows of the signal before it draws another frame.
     is_ending: AtomicBool,
-    /// This signal, or the first, if several come. It is known a moment later: a thread says so.
+    /// The first such signal. A thread sets this, a moment after `is_ending`.
     end_signal: OnceLock<i32>,
 }
 
@@ -1070,13 +1070,13 @@ impl Terminal {
             return Ok(());
         }
         let mut bytes = Vec::new();
-        // A signal may have cut a frame short, in the middle of a row.
+        // Ctrl-C discards what a terminal has not taken, so the last frame may end in the middle of a row.
         queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
         if self.uses_alternate_screen {
-            // If the alternate screen were not cleared, tmux would copy some of it into the shell's screen
-            // after a change of size. Code 1047 switches to it first, because during a stop, another program
-            // may have switched to the shell's screen. (`EnterAlternateScreen`, code 1049, would switch as
-            // well, but in some terminals also overwrite the cursor's place that `enter` has saved.)
+            // During a stop, another program may have left the alternate screen; code 1047 goes back to it.
+            // (`EnterAlternateScreen`, code 1049, would also save the cursor: in some terminals, in the place
+            // of the one that `enter` has saved.) Then the screen is cleared, because after a change of size,
+            // tmux would copy some of it into the shell's screen.
             queue!(bytes, Print("\x1b[?1047h"), Clear(ClearType::All), LeaveAlternateScreen)?;
         }
         let written = self.output.write(&bytes);
@@ -1100,10 +1100,10 @@ impl Terminal {
 
     /// What the threads that receive the signals do: asks the loop to end, and watches whether it does.
     ///
-    /// The loop may be in the middle of a write. Another program that writes only delays it, and then the
-    /// write that restores the screen; but a terminal that takes no more output would make them wait for
-    /// ever. So after three seconds, this restores at least the settings, which is not a write, and ends the
-    /// program. The screen then stays as it is.
+    /// The loop may be in the middle of a write. If another program is writing to the terminal, this write is
+    /// only delayed, and so is the one that restores the screen. But if the terminal takes no more output,
+    /// they would wait for ever. So after three seconds, this restores only the settings, which is not a
+    /// write, and ends the program.
     fn enforce_end(&self, signal: i32) {
         let _ = self.end_signal.set(signal); // Fails if another signal came first.
         self.is_ending.store(true, SeqCst); // On Windows, there is no handler that has done so.
@@ -1118,8 +1118,7 @@ impl Terminal {
 /// An arrow key, for example, sends an escape code: an ESC and more bytes. The terminal's answer to a
 /// question of an earlier program is such a code as well, and may arrive late and in pieces. Each code is
 /// followed to its end, by the grammar of ECMA-48. If a read finds nothing, a TICK or more after the last
-/// byte, the rest of the code is taken not to come. The code is dropped; but if it is only an ESC, that is
-/// the Esc key.
+/// byte, no more of the code is expected, and it is dropped; but if it is only an ESC, that is the Esc key.
 struct KeyReader {
     state: State,
     last_arrival: Instant,
@@ -1199,8 +1198,9 @@ mod system {
     pub fn open_output() -> io::Result<(File, bool)> {
         let stdout = io::stdout();
         if stdout.is_terminal() {
-            // The controlling terminal, which the program was started from, is opened as /dev/tty: under this
-            // name, even a user to whom it does not belong may open it. NOTTY says that it is another one.
+            // If this is the controlling terminal, the one that the program was started from, it is opened as
+            // /dev/tty: under this name, even a user who does not own it may open it. The error NOTTY says
+            // that it is not.
             let path = match termios::tcgetpgrp(&stdout) {
                 Err(rustix::io::Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
                 _ => Ok(c"/dev/tty".into()),
@@ -1232,7 +1232,8 @@ mod system {
     }
 
     impl Terminal {
-        /// ctrlc catches SIGINT, as on every system, and signal-hook the signals that only Unix has.
+        /// ctrlc calls `enforce_end` after SIGINT, as on every system, and signal-hook after the other three.
+        /// `flag::register` keeps the handlers that it finds, so it comes last.
         pub fn catch_signals(&'static self) -> io::Result<()> {
             flag::register(SIGCONT, &self.was_continued)?;
             ctrlc::set_handler(|| self.enforce_end(SIGINT)).map_err(io::Error::other)?;
