@@ -108,8 +108,7 @@ use crossterm::terminal::{self, Clear, ClearType, EnterAlternateScreen, LeaveAlt
 /// (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)` and `y = cy + k1y Y / (Z + K2)`.
 ///
 /// Nothing is drawn in column 0 or in row 0: in place of column 0, donut.c prints a newline, and its test
-/// `y > 0` leaves out row 0. This margin does not depend on the method, so that the pictures of the two
-/// methods can be laid over each other.
+/// `y > 0` leaves out row 0. This holds for both methods, so that their pictures can be laid over each other.
 #[derive(Clone, Copy, PartialEq)]
 struct View {
     /// The radius of the ring.
@@ -474,9 +473,10 @@ impl Torus {
     fn entry(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> f64 {
         let sphere_radius = 1.0 + self.r2;
         let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(0.0).sqrt();
-        // If f grows along the ray, the ray enters the slice through the plane f = -1, otherwise through
-        // f = 1. If fu is 0, the ray is parallel to the planes. Inside the slice, `slice_entry` is then
-        // -infinity, and the sphere decides. Elsewhere it may be NaN, which `max` ignores, or anything.
+        // If f grows along the ray, the ray enters the slice through the plane f = -1, otherwise through f =
+        // 1. If fu is 0, the ray is parallel to the planes. Inside the slice, `slice_entry` is then
+        // -infinity, and the sphere decides. Outside, the ray misses, and any value will do. On a plane, it
+        // may be NaN, which `max` ignores.
         let plane = -f64::copysign(1.0, fu);
         let slice_entry = (plane - f0) / fu;
         sphere_entry.max(slice_entry)
@@ -505,10 +505,10 @@ impl Torus {
     /// The s of each ray's first hit, or `MISS`.
     ///
     /// The viewer is outside the donut, so a ray's first hit is where its G first falls to 0. Left of -w, G
-    /// is convex and comes down from infinity, so it can fall to 0 only once there, at s1 in the drawing of
+    /// is convex and comes down from infinity, so it falls to 0 at most once there, at s1 in the drawing of
     /// `Quartic`. If there is no s1, G is not negative at -w; and as it is concave from there to w, and
-    /// convex after that, it can fall to 0 only once more, at s3. (If p is not negative, w is 0: a hit left
-    /// of 0 counts as s1, and any other as s3.)
+    /// convex after that, it falls to 0 at most once, at s3. (If p is not negative, w is 0: a hit left of 0
+    /// counts as s1, and any other as s3.)
     ///
     /// Each search uses Newton's method, which steps from s to the root of the tangent at s:
     /// ```text
@@ -526,22 +526,23 @@ impl Torus {
     /// leaves the convex part. A concave curve lies below its tangents. So where G is concave and negative, a
     /// step to the left ends before the root or at it as well.
     ///
-    /// *A jump misses no s1, and a miss no s3.* The steps to the right pass no root. So if G rises at s, it
-    /// is positive there, and goes on rising as long as it is convex: up to -w, or for ever. And if a step
-    /// from the left of -w leads to -w or beyond, the tangent is positive up to -w, and G lies above it.
-    ///
     /// *The start at w is safe.* The search is at w only if there is no s1: either it has jumped there, or
     /// the ray enters at -w or later, and no hit comes before the entry. So G is not negative at -w. If G is
     /// positive at w, it is positive between -w and w as well, because a concave curve lies above its chords.
     /// So s3, if there is one, is further right, where G is convex. If G is 0 or negative at w, s3 is at w or
-    /// left of it, and G falls all the way from s3 to w. Then no step leads right, so that the search is
-    /// still at w, and steps left. (A ray that only grazes the donut at w = 0 has the slope 0 there, and
-    /// counts as a miss.)
+    /// left of it, and as G is concave, it falls all the way from s3 to w. Then no step leads right, so that
+    /// the search is still at w, and steps left. (A ray that only grazes the donut at w = 0 has the slope 0
+    /// there, and counts as a miss.)
+    ///
+    /// *A jump skips no s1, and a miss no s3.* The steps to the right start where G is positive, or falls,
+    /// and pass no root. So if G rises at s, it is positive there, and goes on rising as long as it is
+    /// convex: up to -w, or for ever. And if a step from the left of -w leads to -w or beyond, the tangent is
+    /// positive before -w, and G lies above it.
     ///
     /// *Every search ends.* The N searches go on as long as one of them jumps, which each does once at most,
-    /// or takes a step longer than TOLERANCE. All steps of a search go one way. To the right, they cannot go
-    /// on for ever, because far to the right G is positive and rises, so that a step would lead left. To the
-    /// left, they end at -w at the latest.
+    /// or takes a step longer than TOLERANCE. Steps to the right cannot go on for ever, because far to the
+    /// right G is positive and rises, so that a step would lead left. Steps to the left end at -w at the
+    /// latest.
     fn first_hits<const N: usize>(&self, rays: &[Ray; N]) -> [f64; N] {
         // Each coefficient has an array of its own, so that one instruction loads it for several rays.
         let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
@@ -550,19 +551,19 @@ impl Torus {
             let entry = self.entry(ray);
             s[i] = if entry < -w[i] { entry } else { w[i] };
         }
-        let quartic = |i: usize| [p[i], q[i], r[i], w[i]];
+        let quartic_of = |i: usize| [p[i], q[i], r[i], w[i]];
 
-        s = repeat(s, |i, s| step_right(quartic(i), s));
+        s = repeat(s, |i, s| step_right(quartic_of(i), s));
 
         let mut is_any_at_w = false;
         for i in 0..N {
-            let (_, slope) = tangent(quartic(i), s[i]);
+            let (_, slope) = tangent(quartic_of(i), s[i]);
             s[i] = if s[i] >= w[i] && slope >= 0.0 { MISS } else { s[i] };
             is_any_at_w |= s[i] == w[i];
         }
         // Most of the time, there is none.
         if is_any_at_w {
-            s = repeat(s, |i, s| step_left(quartic(i), s));
+            s = repeat(s, |i, s| step_left(quartic_of(i), s));
         }
         s
     }
@@ -863,8 +864,8 @@ fn run(options: &Options) -> io::Result<()> {
     let played = play(options, &terminal.output, Some(terminal));
     let result = terminal.leave().and(played);
     if result.is_err() && !terminal.is_ending.load(SeqCst) {
-        // When a terminal closes, a write may fail a moment before SIGHUP arrives, by which the program is to
-        // end. So give the signal time to arrive.
+        // When a terminal closes, a write may fail a moment before SIGHUP arrives. The program should end by
+        // the signal, so wait for it.
         thread::sleep(Duration::from_millis(500));
     }
     terminal.end_if_signalled();
@@ -1015,8 +1016,8 @@ struct Terminal {
     /// Whether the program was stopped and has been continued since.
     was_continued: AtomicBool,
     /// Whether a signal has asked the program to end. The signal's handler sets this at once, even while the
-    /// loop waits in a write. So when Ctrl-C frees a stuck terminal, by discarding what it has not taken, the
-    /// loop knows of the signal before it draws another frame.
+    /// loop waits in a write. When Ctrl-C is pressed, the system also discards the output that the terminal
+    /// has not taken, so that a stuck write goes on. The loop must not draw another frame then.
     is_ending: AtomicBool,
     /// The first such signal. A thread sets this, a moment after `is_ending`.
     end_signal: OnceLock<i32>,
@@ -1070,13 +1071,13 @@ impl Terminal {
             return Ok(());
         }
         let mut bytes = Vec::new();
-        // Ctrl-C discards what a terminal has not taken, so the last frame may end in the middle of a row.
+        // After Ctrl-C (see `is_ending`), the last frame may end in the middle of a row.
         queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
         if self.uses_alternate_screen {
-            // During a stop, another program may have left the alternate screen; code 1047 goes back to it.
-            // (`EnterAlternateScreen`, code 1049, would also save the cursor: in some terminals, in the place
-            // of the one that `enter` has saved.) Then the screen is cleared, because after a change of size,
-            // tmux would copy some of it into the shell's screen.
+            // The alternate screen is cleared, because after a change of size, tmux would copy some of it
+            // into the shell's screen. That one must not be cleared, so if another program has switched to it
+            // during a stop, code 1047 switches back. (`EnterAlternateScreen`, code 1049, would also save the
+            // cursor: in some terminals, in place of the one that `enter` has saved.)
             queue!(bytes, Print("\x1b[?1047h"), Clear(ClearType::All), LeaveAlternateScreen)?;
         }
         let written = self.output.write(&bytes);
@@ -1233,7 +1234,7 @@ mod system {
 
     impl Terminal {
         /// ctrlc calls `enforce_end` after SIGINT, as on every system, and signal-hook after the other three.
-        /// `flag::register` keeps the handlers that it finds, so it comes last.
+        /// ctrlc replaces the handler that it finds, while `flag::register` keeps it, so ctrlc comes first.
         pub fn catch_signals(&'static self) -> io::Result<()> {
             flag::register(SIGCONT, &self.was_continued)?;
             ctrlc::set_handler(|| self.enforce_end(SIGINT)).map_err(io::Error::other)?;
