@@ -132,7 +132,7 @@ pub fn failures() -> String {
     let mut texts = String::new();
     let shown = [
         ("donut.c's steps", "gaps", "--k2 3.003"),
-        ("Sphere tracing", "lost outline", "--k2 3.003"),
+        ("Sphere tracing", "nibbled outline", "--k2 3.003"),
         ("Newton", "far wall", "--k2 50"),
         ("Ferrari, f32", "rounding", "--k2 50"),
         ("Ferrari, f64", "division", "edge-on"),
