@@ -444,8 +444,8 @@ fn the_first_signal_ends_donut_on_a_stuck_terminal_and_restores_its_settings() {
 /// again. Without a shell that could resume it, Ctrl-Z makes donut leave the terminal and enter it again.
 #[test]
 fn ctrl_c_restores_a_terminal_that_is_stuck_in_a_frame() {
-    side_by_side(&["", "--fps=0"].repeat(8), |options| {
-        let pty = run_unread(&format!("--color=red {options}"), SIZE);
+    side_by_side(&[("30", SIZE), ("0", (160, 50))].repeat(8), |&(fps, size)| {
+        let pty = run_unread(&format!("--color=red --fps={fps}"), size);
         pty.read_until(|pty| frame_count(pty) > 0);
         pty.type_bytes(b"\x1a");
         pty.read_until(|pty| enter_count(pty) == 2);
