@@ -132,7 +132,7 @@ pub fn failures() -> String {
     let mut texts = String::new();
     let shown = [
         ("donut.c's steps", "gaps", "--k2 3.003"),
-        ("Sphere tracing", "nibbled outline", "--k2 3.003"),
+        ("Sphere tracing", "outline", "--k2 3.003"),
         ("Newton", "far wall", "--k2 50"),
         ("Ferrari, f32", "rounding", "--k2 50"),
         ("Ferrari, f64", "division", "edge-on"),
@@ -315,7 +315,7 @@ pub fn speed_and_accuracy() -> String {
         ("Ferrari f32", "purple", 3, (9.0, 0.0), "start", "Ferrari, f32"),
         ("Ferrari f64", "purple", 3, (9.0, 0.0), "start", "Ferrari, f64"),
         ("sphere tracing 8", "blue", 3, (9.0, -2.0), "start", "sphere tracing, 8 steps"),
-        ("sphere tracing 64", "blue", 3, (9.0, -4.0), "start", "64"),
+        ("sphere tracing 64", "blue", 3, (-9.0, 2.0), "end", "64"),
         ("sphere tracing 256", "blue", 3, (9.0, -4.0), "start", "256 steps"),
     ] {
         let at = time_and_share(name);
