@@ -18,13 +18,9 @@ fn start(options: &str, stdout: impl Into<Stdio>) -> Program {
 /// Waits for donut to end, and returns what it draws, or why it refuses its options.
 fn result(donut: Program) -> Result<String, String> {
     match donut.output() {
-        (Some(0), drawn, message) if message.is_empty() => Ok(drawn),
-        (Some(2), drawn, message) if message.starts_with("error: ") && drawn.is_empty() => {
-            Err(message)
-        }
-        (code, drawn, message) => {
-            panic!("{code:?} with {} bytes of output: {message}", drawn.len())
-        }
+        (Some(0), drawn, error) if error.is_empty() => Ok(drawn),
+        (Some(2), drawn, error) if error.starts_with("error: ") && drawn.is_empty() => Err(error),
+        (code, drawn, error) => panic!("{code:?} with {} bytes of output: {error}", drawn.len()),
     }
 }
 

@@ -430,8 +430,7 @@ fn the_first_signal_ends_donut_on_a_stuck_terminal_and_restores_its_settings() {
     side_by_side(&cases, |&(&(signal, code), size)| {
         let pty = stuck_donut("", size);
         pty.signal(signal);
-        // On a busy machine, the thread that receives the signal may have to wait for its turn.
-        sleep(Duration::from_millis(1500));
+        sleep(Duration::from_millis(1500)); // On a busy machine, the signal's thread may be late.
         for (other, _) in SIGNALS {
             pty.signal(other);
         }

@@ -106,7 +106,7 @@ fn scenes() -> [NamedScene; 7] {
 /// The methods that the study compares in each scene.
 fn compared_methods(view: View) -> Vec<NamedMethod> {
     let k2 = view.k2;
-    vec![
+    let mut methods = vec![
         own_method("donut.c's steps", with_steps(view, 0.07, 0.02)),
         tracing("Sphere tracing", view, sphere_tracing(64)),
         ray_by_ray("Newton", view, newton_once),
@@ -114,7 +114,10 @@ fn compared_methods(view: View) -> Vec<NamedMethod> {
         ray_by_ray("Ferrari, f64", view, move |torus, ray| textbook_f64(torus, k2, ray)),
         ray_by_ray("Closed form, f64", view, closed_form),
         own_method("Exact", Renderer::new(view, Method::Exact)),
-    ]
+    ];
+    let classic = || own_method("Classic", Renderer::new(view, Method::Classic));
+    methods.extend((k2 == View::DONUT_C.k2).then(classic));
+    methods
 }
 
 /// The name of each method, and its tally in these poses.
@@ -289,11 +292,11 @@ fn the_figures_in_the_texts_are_those_measured() {
     let far = row(&read(STUDY), '|', "Ferrari, f32")[5].parse().unwrap();
     let mut stale = Vec::new();
     for (name, words, value) in [
-        ("README.md", "it is about # times as fast as a literal", exact),
+        ("README.md", "it is about # times as fast as the", exact),
         ("README.md", "Classic is about # times as fast", own),
-        ("README.md", "measure, #% of the donut's cells", shades),
-        ("README.md", "blank, # for every 100 of the donut's own", rim),
-        ("README.md", "precision, draws # wrong cells for every 100", far),
+        ("README.md", "of the donut, # show a wrong character", shades),
+        ("README.md", "centre, and # more, in a rim", rim),
+        ("README.md", "it draws # wrong cells for every 100 of the donut.", far),
         (STUDY, "differs: #% of the donut's cells", shades),
         (STUDY, "all round, # for every 100 of the donut's own", rim),
         (STUDY, "So donut.c's error is #%.", share("classic x1")),
