@@ -294,8 +294,8 @@ fn the_figures_in_the_texts_are_those_measured() {
     for (name, words, value) in [
         ("README.md", "it is about # times as fast as the", exact),
         ("README.md", "Classic is about # times as fast", own),
-        ("README.md", "of the donut, # show a wrong character", shades),
-        ("README.md", "centre, and # more, in a rim", rim),
+        ("README.md", "ones: some # show a wrong character", shades),
+        ("README.md", "centre, and some #, in a rim", rim),
         ("README.md", "it draws # wrong cells for every 100 of the donut.", far),
         (STUDY, "differs: #% of the donut's cells", shades),
         (STUDY, "all round, # for every 100 of the donut's own", rim),
