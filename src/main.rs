@@ -561,7 +561,7 @@ impl Torus {
             s[i] = if s[i] >= w[i] && slope >= 0.0 { MISS } else { s[i] };
             is_any_at_w |= s[i] == w[i];
         }
-        // Most of the time, there is none.
+        // Most of the time, none is at w.
         if is_any_at_w {
             s = repeat(s, |i, s| step_left(quartic_of(i), s));
         }
@@ -1017,7 +1017,7 @@ struct Terminal {
     was_continued: AtomicBool,
     /// Whether a signal has asked the program to end. The signal's handler sets this at once, even while the
     /// loop waits in a write. When Ctrl-C is pressed, the system also discards the output that the terminal
-    /// has not taken, so that a stuck write goes on. The loop must not draw another frame then.
+    /// has not taken, so that a stuck write goes on. With another frame, the loop could get stuck again.
     is_ending: AtomicBool,
     /// The first such signal. A thread sets this, a moment after `is_ending`.
     end_signal: OnceLock<i32>,
@@ -1233,8 +1233,8 @@ mod system {
     }
 
     impl Terminal {
-        /// ctrlc calls `enforce_end` after SIGINT, as on every system, and signal-hook after the other three.
-        /// ctrlc replaces the handler that it finds, while `flag::register` keeps it, so ctrlc comes first.
+        /// SIGINT wakes ctrlc's thread, as on every system, and the others wake the one that is started here.
+        /// ctrlc replaces the handler that it finds, while `flag::register` adds to it, so ctrlc comes first.
         pub fn catch_signals(&'static self) -> io::Result<()> {
             flag::register(SIGCONT, &self.was_continued)?;
             ctrlc::set_handler(|| self.enforce_end(SIGINT)).map_err(io::Error::other)?;
