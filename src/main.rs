@@ -528,10 +528,10 @@ impl Torus {
     ///
     /// *The start at w is safe.* The search is at w only if there is no s1: either it has jumped there, or
     /// the ray enters at -w or later, and no hit comes before the entry. So G is not negative at -w. If G is
-    /// positive at w, it is positive between -w and w as well, because a concave curve lies above its chords.
-    /// So s3, if there is one, is further right, where G is convex. If G is 0 or negative at w, s3 is at w or
-    /// left of it, and as G is concave, it falls all the way from s3 to w. Then no step leads right, so that
-    /// the search is still at w, and steps left. (A ray that only grazes the donut at w = 0 has the slope 0
+    /// positive at w, it is positive between -w and w, too, because a concave curve lies above its chords. So
+    /// s3, if there is one, is further right, where G is convex. If G is 0 or negative at w, s3 is at w or
+    /// left of it, and as G is concave, it falls all the way from s3 to w. Then no step leads right, so the
+    /// search is still at w, and steps left. (A ray that only grazes the donut at w = 0 has the slope 0
     /// there, and counts as a miss.)
     ///
     /// *A jump skips no s1, and a miss no s3.* The steps to the right start where G is positive, or falls,
@@ -1233,7 +1233,7 @@ mod system {
     }
 
     impl Terminal {
-        /// SIGINT wakes ctrlc's thread, as on every system, and the others wake the one that is started here.
+        /// SIGINT wakes ctrlc's thread, as on every system, and the others wake the one started here.
         /// ctrlc replaces the handler that it finds, while `flag::register` adds to it, so ctrlc comes first.
         pub fn catch_signals(&'static self) -> io::Result<()> {
             flag::register(SIGCONT, &self.was_continued)?;
