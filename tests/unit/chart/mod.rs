@@ -274,8 +274,8 @@ fn the_studys_table_has_the_wrong_cells_where_methods_fail() {
     assert!(stale.is_empty(), "the study's table should have\n{}", stale.join("\n"));
 }
 
-/// The figures in the two texts. In their words, `#` stands for a figure, which must be this value, rounded to
-/// as many decimals as the text gives it. After "about" it may be a tenth off, because times differ.
+/// The figures in the two texts. In their words, `#` stands for a figure, which must be this value, rounded
+/// to as many decimals as the text gives it. After "about" it may be a tenth off, because times differ.
 #[test]
 fn the_figures_in_the_texts_are_those_measured() {
     let ratio = |slow, fast| measured(slow)[0] / measured(fast)[0];

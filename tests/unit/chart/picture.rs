@@ -124,8 +124,8 @@ pub fn two_methods() -> String {
     svg(title, pixels(right + COLUMNS.len() + 1, 18), CELLS, &texts)
 }
 
-/// Methods that fail, each in a scene of the study's table. Of the ten poses, this shows the one with the most
-/// wrong cells, and of its picture, the part with the most.
+/// Methods that fail, each in a scene of the study's table. Of the ten poses, this shows the one with the
+/// most wrong cells, and of its picture, the part with the most.
 pub fn failures() -> String {
     /// The columns and rows of a part.
     const PART: (usize, usize) = (46, 20);
