@@ -719,9 +719,9 @@ struct Options {
     ///
     /// At least 1.001 times the sum of 1 and --r2, at most 1000000. Except in
     /// donut.c's own picture, the donut is scaled so that no pose is cut
-    /// off. So a greater distance does not make it smaller, but flattens the
-    /// perspective. From very near, most poses look small, to leave room for
-    /// the one that comes nearest to you.
+    /// off. So a greater distance flattens the perspective, and makes few
+    /// poses smaller. From very near, most poses look small, to leave room
+    /// for the one that comes nearest to you.
     #[arg(long, help_heading = "Geometry", value_name = "D", verbatim_doc_comment)]
     #[arg(default_value = "5")]
     k2: f64,
