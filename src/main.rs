@@ -473,8 +473,8 @@ impl Torus {
     fn entry(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> f64 {
         let sphere_radius = 1.0 + self.r2;
         let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(0.0).sqrt();
-        // If f grows along the ray, the ray enters the slice through the plane f = -1, otherwise through f =
-        // 1. If fu is 0, the ray is parallel to the planes. Inside the slice, `slice_entry` is then
+        // If f grows along the ray, the ray enters the slice through the plane f = -1, otherwise through
+        // f = 1. If fu is 0, the ray is parallel to the planes. Inside the slice, `slice_entry` is then
         // -infinity, and the sphere decides. Outside, the ray misses, and any value will do. On a plane, it
         // may be NaN, which `max` ignores.
         let plane = -f64::copysign(1.0, fu);

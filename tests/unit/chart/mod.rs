@@ -64,8 +64,8 @@ fn methods() -> Vec<NamedMethod> {
         tracing("exact one ray at a time", view, Torus::first_hits::<1>),
         ray_by_ray("closed form f64", view, closed_form),
         ray_by_ray("Newton", view, newton_once),
-        ray_by_ray("Ferrari f32", view, |torus, ray| textbook_f32(torus, 5.0, ray)),
-        ray_by_ray("Ferrari f64", view, |torus, ray| textbook_f64(torus, 5.0, ray)),
+        ray_by_ray("Ferrari f32", view, move |torus, ray| textbook_f32(torus, view.k2, ray)),
+        ray_by_ray("Ferrari f64", view, move |torus, ray| textbook_f64(torus, view.k2, ray)),
     ];
     for (name, factor) in [("x4", 4.0), ("x2", 2.0), ("x1/2", 0.5), ("x1/4", 0.25)] {
         let renderer = with_steps(view, 0.07 * factor, 0.02 * factor);
@@ -105,18 +105,17 @@ fn scenes() -> [NamedScene; 7] {
 
 /// The methods that the study compares in each scene.
 fn compared_methods(view: View) -> Vec<NamedMethod> {
-    let k2 = view.k2;
     let mut methods = vec![
         own_method("donut.c's steps", with_steps(view, 0.07, 0.02)),
         tracing("Sphere tracing", view, sphere_tracing(64)),
         ray_by_ray("Newton", view, newton_once),
-        ray_by_ray("Ferrari, f32", view, move |torus, ray| textbook_f32(torus, k2, ray)),
-        ray_by_ray("Ferrari, f64", view, move |torus, ray| textbook_f64(torus, k2, ray)),
+        ray_by_ray("Ferrari, f32", view, move |torus, ray| textbook_f32(torus, view.k2, ray)),
+        ray_by_ray("Ferrari, f64", view, move |torus, ray| textbook_f64(torus, view.k2, ray)),
         ray_by_ray("Closed form, f64", view, closed_form),
         own_method("Exact", Renderer::new(view, Method::Exact)),
     ];
     let classic = || own_method("Classic", Renderer::new(view, Method::Classic));
-    methods.extend((k2 == View::DONUT_C.k2).then(classic));
+    methods.extend((view.k2 == View::DONUT_C.k2).then(classic));
     methods
 }
 

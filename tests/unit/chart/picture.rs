@@ -20,8 +20,9 @@ fn svg(title: &str, (width, height): (f64, f64), style: &str, contents: &str) ->
 /// The width and the height of a cell, in pixels.
 const CELL: (f64, f64) = (9.6, 19.2);
 const CELLS: &str = "text{font:16px ui-monospace,Menlo,Consolas,'DejaVu Sans Mono',monospace;\
-                     fill:#e6e6e6;white-space:pre}\
-                     .wrong,.hole{fill:#ff9d5c}rect.wrong{fill:#5a3418}";
+                     fill:#e6e6e6;white-space:pre}";
+/// For the cells that differ from exact's.
+const WRONG: &str = ".wrong,.hole{fill:#ff9d5c}rect.wrong{fill:#5a3418}";
 
 fn pixels(columns: usize, rows: usize) -> (f64, f64) {
     (columns as f64 * CELL.0, rows as f64 * CELL.1)
@@ -121,7 +122,7 @@ pub fn two_methods() -> String {
         texts += &compared([picture, &exact], view.width, (COLUMNS, 0..15), (left, 2));
     }
     let title = "A donut drawn by classic, and the same donut drawn by exact";
-    svg(title, pixels(right + COLUMNS.len() + 1, 18), CELLS, &texts)
+    svg(title, pixels(right + COLUMNS.len() + 1, 18), &format!("{CELLS}{WRONG}"), &texts)
 }
 
 /// Methods that fail, each in a scene of the study's table. Of the ten poses, this shows the one with the
@@ -166,7 +167,7 @@ pub fn failures() -> String {
         let both = pictures.each_ref().map(Vec::as_slice);
         texts += &compared(both, view.width, part(corner), (left, top + 2));
     }
-    let style = format!("{CELLS}.name{{font-size:25px}}tspan{{fill:#9aa3ad}}");
+    let style = format!("{CELLS}{WRONG}.name{{font-size:25px}}tspan{{fill:#9aa3ad}}");
     let title = "Frames of methods that fail, with the wrong cells in orange";
     svg(title, pixels(3 * (PART.0 + 4), 2 * (PART.1 + 6) - 1), &style, &texts)
 }
@@ -296,7 +297,7 @@ pub fn speed_and_accuracy() -> String {
     let classics = steps.map(|steps| time_and_share(&format!("classic {steps}")));
     chart.line("faint", &classics);
     let labels = ["steps 4x as long", "2x as long", "", "half as long", "1/4 as long"];
-    for (label, at) in labels.into_iter().zip(classics) {
+    for (label, at) in labels.into_iter().zip(classics).filter(|(label, _)| !label.is_empty()) {
         chart.dot("faint", at, 3);
         chart.text("grey", at, (-3.0, -13.0), "start", label);
     }
