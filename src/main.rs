@@ -87,17 +87,31 @@ use std::io::{self, IsTerminal, Write};
 use std::ops::RangeInclusive;
 use std::process::{self, ExitCode};
 use std::str::FromStr;
-use std::sync::OnceLock;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+use std::sync::mpsc::{self, Receiver, Sender};
 use std::time::{Duration, Instant};
 use std::{array, env, panic, thread};
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
 use crossterm::cursor::{Hide, MoveToColumn, Show};
-use crossterm::queue;
-use crossterm::style::{self, Color, Print, ResetColor, SetForegroundColor};
-use crossterm::terminal::{self, Clear, ClearType, EnterAlternateScreen, LeaveAlternateScreen};
+use crossterm::event::{self, Event, KeyCode, KeyModifiers};
+use crossterm::style::{self, Color, ResetColor, SetForegroundColor};
+use crossterm::terminal::{self, BeginSynchronizedUpdate, Clear, ClearType};
+use crossterm::terminal::{EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen};
+use crossterm::{execute, queue};
+
+#[cfg(windows)]
+use std::os::windows::io::AsHandle;
+#[cfg(unix)]
+use {
+    rustix::process::{Signal, getpgrp, kill_current_process_group},
+    rustix::termios::{self, LocalModes, OptionalActions, OutputModes, SpecialCodeIndex},
+    signal_hook::consts::{SIGCONT, SIGHUP, SIGQUIT, SIGTERM},
+    signal_hook::{flag, iterator::Signals, low_level},
+    std::os::fd::AsFd,
+};
 
 // ---- View ----------------------------------------------------------------------------------------
 
@@ -632,7 +646,7 @@ fn step_left(quartic @ [.., w]: Quartic, s: f64) -> (f64, bool) {
 // A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`. Angles may be
 // negative, and completions must not offer file names as values.
 #[command(args_override_self = true)]
-#[command(mut_args(|option| option.allow_hyphen_values(true).value_hint(ValueHint::Other)))]
+#[command(mut_args(|option| option.allow_negative_numbers(true).value_hint(ValueHint::Other)))]
 struct Options {
     /// Frames per second; 0 means no limit
     ///
@@ -654,13 +668,13 @@ struct Options {
     /// Each frame adds DA to the angle A, and DB to the angle B.
     /// Both are from -1000 to 1000.
     #[arg(long, help_heading = "Motion", value_name = "DA,DB", verbatim_doc_comment)]
-    #[arg(default_value = "0.04,0.02", value_parser = parse_angles)]
+    #[arg(default_value = "0.04,0.02", value_parser = parse_angles, allow_hyphen_values = true)]
     spin: [f64; 2],
 
     /// Angle A of the first frame, in radians
     ///
     /// A rotates the donut about the x axis, which points right.
-    #[arg(short = 'A', help_heading = "Motion", value_name = "RAD")]
+    #[arg(short = 'A', help_heading = "Motion", value_name = "RAD", allow_hyphen_values = true)]
     #[arg(default_value = "0", value_parser = within(ANGLES))]
     a: f64,
 
@@ -669,7 +683,7 @@ struct Options {
     /// B comes after A, and is about the z axis, which points away from you.
     /// It rotates the axis of A as well, so only z is fixed on the screen.
     #[arg(short = 'B', help_heading = "Motion", value_name = "RAD", verbatim_doc_comment)]
-    #[arg(default_value = "0", value_parser = within(ANGLES))]
+    #[arg(default_value = "0", value_parser = within(ANGLES), allow_hyphen_values = true)]
     b: f64,
 
     /// How to draw; by default, donut.c's own picture is
@@ -822,21 +836,6 @@ impl Options {
 
 // ---- main and the loop ---------------------------------------------------------------------------
 
-// Before the program draws on a terminal, it *enters* the terminal: it hides the cursor, switches to the
-// alternate screen (a second screen for programs that fill it), and sets cbreak mode, in which each key is
-// sent at once and without echo. To *leave* the terminal is to undo all this.
-//
-// A shell runs each command as a job, and lends the terminal to one job at a time. This job is in the
-// *foreground*; Ctrl-Z suspends it (stops its processes), and the shell's `fg` resumes it. A job that was
-// started with `&`, or resumed with `bg`, is in the *background*: there, the system stops it if it reads
-// keys or changes the terminal's settings.
-
-/// The longest that the loop sleeps, so that it soon notices a signal, a key or a new size.
-const TICK: Duration = Duration::from_millis(50);
-
-const ESC: u8 = 0x1b;
-const CTRL_Z: u8 = 0x1a;
-
 fn main() -> ExitCode {
     let options = Options::parse();
     if let Some(conflict) = options.conflict() {
@@ -855,76 +854,66 @@ fn main() -> ExitCode {
 /// Spins the donut until the last frame is drawn, a key or a signal ends it, or its output cannot be written.
 fn run(options: &Options) -> io::Result<()> {
     style::force_color_output(true); // --color is explicit, so it overrides NO_COLOR.
-    let (file, is_terminal) = system::open_output()?;
-    let output = Output { file, is_terminal, color: options.color };
-    if !is_terminal {
+    let output = Output::new(options.color)?;
+    if !output.is_terminal {
         return play(options, &output, None);
     }
-    let terminal = Terminal::new(output, options)?;
-    let played = play(options, &terminal.output, Some(terminal));
-    let result = terminal.leave().and(played);
-    if result.is_err() && !terminal.is_ending.load(SeqCst) {
-        // When a terminal closes, a write may fail a moment before SIGHUP arrives. The program should end by
-        // the signal, so wait for it.
-        thread::sleep(Duration::from_millis(500));
-    }
-    terminal.end_if_signalled();
-    result
+    let terminal = Terminal::new(options)?;
+    let played = terminal.enter().and_then(|()| play(options, &output, Some(&terminal)));
+    let left = leave(terminal.uses_alternate_screen);
+    played.and(left)
 }
 
-/// donut.c's `for (;;)`. On a terminal, each iteration first takes care of signals, the size and the keys. It
-/// draws a frame if the next one is due, or if a key or a new size asks for the same one again.
+/// donut.c's `for (;;)`. Each iteration sleeps until the next frame is due, and then draws it. On a terminal,
+/// a key, a new size or a signal ends the sleep, and the last frame may have to be drawn again.
 fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::Result<()> {
-    let mut terminal_size = terminal.map(Terminal::size).transpose()?;
-    let mut renderer = options.renderer(terminal_size);
+    let mut size = terminal.map(Terminal::size).transpose()?;
+    let mut renderer = options.renderer(size);
     let mut clear = true; // donut.c, too, begins by clearing the screen.
-    let mut key_reader = KeyReader::new();
     let (mut is_paused, mut is_shaded) = (false, true);
-
-    let mut next_angles = [options.a, options.b]; // Those of the frame to come.
-    let mut angles = next_angles; // Those of the last frame, which may have to be drawn again.
+    let mut angles = [options.a, options.b];
     let mut frame_count = 0;
     let mut due = Instant::now();
 
-    'main_loop: while options.frames.is_none_or(|frames| frame_count < frames) {
+    while options.frames.is_none_or(|frames| frame_count < frames) {
         let until_due = due.saturating_duration_since(Instant::now());
-        thread::sleep(if is_paused { TICK } else { until_due.min(TICK) });
-
         let was_shaded = is_shaded;
         if let Some(terminal) = terminal {
-            if terminal.is_ending.load(SeqCst) {
-                break;
-            }
-            if terminal.is_in_background() {
-                terminal.leave()?;
-                thread::sleep(TICK); // The sleep above is none if a frame is due.
-                continue;
-            }
-            clear |= terminal.enter()?;
-            let size = Some(terminal.size()?);
-            if size != terminal_size {
-                (terminal_size, clear) = (size, true);
-                renderer = options.renderer(size);
-            }
-            for key in key_reader.keys(&terminal.read()) {
-                match key {
-                    b'q' | b'Q' | ESC => return Ok(()),
-                    b'p' | b'P' => is_paused = !is_paused,
-                    b' ' => is_shaded = !is_shaded,
-                    CTRL_Z => {
-                        terminal.leave()?;
-                        system::suspend_job();
-                        continue 'main_loop; // The keys after Ctrl-Z are dropped.
+            let timeout = if is_paused { Duration::MAX } else { until_due };
+            for event in terminal.events(timeout) {
+                clear |= matches!(event, Event::Resize(..));
+                let Some(key) = event.as_key_press_event() else { continue };
+                match (key.modifiers - KeyModifiers::SHIFT, key.code) {
+                    (KeyModifiers::NONE, KeyCode::Char('q' | 'Q') | KeyCode::Esc)
+                    | (KeyModifiers::CONTROL, KeyCode::Char('c')) => return Ok(()),
+                    (KeyModifiers::NONE, KeyCode::Char('p' | 'P')) => is_paused = !is_paused,
+                    (KeyModifiers::NONE, KeyCode::Char(' ')) => is_shaded = !is_shaded,
+                    #[cfg(unix)]
+                    (KeyModifiers::CONTROL, KeyCode::Char('z')) => {
+                        terminal.suspend()?;
+                        clear = true;
+                        break;
                     }
                     _ => {}
                 }
             }
+            if clear {
+                terminal.set_raw_mode()?; // After a stop, the settings may be the shell's.
+            }
+            let new_size = Some(terminal.size()?);
+            if new_size != size {
+                (size, clear) = (new_size, true);
+                renderer = options.renderer(size);
+            }
+        } else {
+            thread::sleep(until_due);
         }
 
         let is_due = !is_paused && due <= Instant::now();
         if is_due {
-            angles = next_angles;
-            next_angles = advance(renderer.method, angles, options.spin);
+            if frame_count > 0 {
+                angles = advance(renderer.method, angles, options.spin);
+            }
             frame_count += 1;
             // Each frame is due one interval after the one before was due, so that delays do not add up. But
             // after a stall, the next is due now, so that the missed frames do not come in a burst.
@@ -952,23 +941,31 @@ fn advance(method: Method, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
     })
 }
 
-// ---- Terminal ------------------------------------------------------------------------------------
-
 /// Where the frames go: a terminal, or else a pipe, a file or a device.
 struct Output {
+    /// Standard output without the buffer of `io::stdout`, which would write some frames in two parts.
     file: File,
     is_terminal: bool,
     color: Option<Color>,
 }
 
 impl Output {
+    fn new(color: Option<Color>) -> io::Result<Output> {
+        let stdout = io::stdout();
+        #[cfg(unix)]
+        let file = stdout.as_fd().try_clone_to_owned()?.into();
+        #[cfg(windows)]
+        let file = stdout.as_handle().try_clone_to_owned()?.into();
+        Ok(Output { file, is_terminal: stdout.is_terminal(), color })
+    }
+
     /// Writes the frame. `clear` says whether to clear the screen first.
     fn show(&self, renderer: &Renderer, clear: bool) -> io::Result<()> {
         let mut bytes = Vec::with_capacity(renderer.framebuffer.len() + 100);
         // A terminal that knows synchronized updates holds the output back until the end of the update, so
         // that nobody sees half a frame.
         if self.is_terminal {
-            queue!(bytes, terminal::BeginSynchronizedUpdate)?;
+            queue!(bytes, BeginSynchronizedUpdate)?;
         }
 
         // donut.c's own codes: to clear the screen, and to move the cursor to its top left corner.
@@ -987,380 +984,221 @@ impl Output {
             queue!(bytes, ResetColor)?;
         }
         if self.is_terminal {
-            queue!(bytes, terminal::EndSynchronizedUpdate)?;
+            queue!(bytes, EndSynchronizedUpdate)?;
         }
-        self.write(&bytes)
+        let _lock = io::stdout().lock(); // See the hook in `Terminal::new`.
+        (&self.file).write_all(&bytes)
+    }
+}
+
+// ---- Terminal ------------------------------------------------------------------------------------
+
+// To *enter* the terminal is to set raw mode, in which each key is sent at once and is not echoed, to switch
+// to the alternate screen, a second screen for programs that fill it, and to hide the cursor. To *leave* it
+// is to undo all this. Only the loop enters, draws and leaves, so whatever ends the donut comes between two
+// frames. Other threads wait for keys, new sizes and signals, and send them to the loop, whose sleep ends
+// when one comes. There are three exceptions. A panic leaves the terminal by itself. A signal that comes
+// while the donut is suspended, or has yet to enter, finds nothing to restore, and ends it at once. And if a
+// terminal takes no more output, the loop is stuck, so the thread that received the signal ends the donut.
+
+/// The longest that the loop sleeps, so that it notices when the terminal is gone.
+const LONGEST_SLEEP: Duration = Duration::from_secs(1);
+
+/// The longest time from an ESC to the rest of an escape code, over a slow line.
+const ESCAPE_CODE_GAP: Duration = Duration::from_millis(50);
+
+/// The number of SIGINT, the signal that Ctrl-C stands for.
+const SIGINT: i32 = 2;
+
+/// What the loop is told: a key, a new size, or the signal that asks it to end.
+type Message = Result<Event, i32>;
+
+struct Terminal {
+    /// With --frames, the alternate screen is not used, because the last frame has to stay.
+    uses_alternate_screen: bool,
+    messages: Receiver<Message>,
+    /// Whether a signal would find nothing to restore: before the program enters the terminal, and while it
+    /// is suspended.
+    is_outside: Arc<AtomicBool>,
+}
+
+impl Terminal {
+    /// Gets ready to enter the terminal.
+    fn new(options: &Options) -> io::Result<Terminal> {
+        if env::var_os("TERM").is_some_and(|term| term == "dumb") {
+            return Err(io::Error::other("TERM is dumb, but the picture needs escape codes"));
+        }
+        let uses_alternate_screen = options.frames.is_none();
+        let is_outside = Arc::new(AtomicBool::new(true));
+        let (sender, messages) = mpsc::channel();
+
+        let previous_hook = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            // While this thread has the lock, the loop cannot draw over the message.
+            let _lock = io::stdout().lock();
+            let _ = leave(uses_alternate_screen);
+            previous_hook(info);
+            process::exit(101) // By itself, a panic ends the program only in the main thread.
+        }));
+
+        // ctrlc replaces the handlers that it finds, and signal-hook adds to them, so ctrlc comes first.
+        let to_loop = sender.clone();
+        ctrlc::set_handler(move || ask_to_end(&to_loop, SIGINT)).map_err(io::Error::other)?;
+        #[cfg(unix)]
+        {
+            let mut signals = Signals::new([SIGCONT, SIGHUP, SIGQUIT, SIGTERM])?;
+            for signal in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
+                flag::register_conditional_default(signal, is_outside.clone())?;
+            }
+            let to_loop = sender.clone();
+            let receive = move |signal| match signal {
+                // While the program was stopped, the shell may have written on the screen.
+                SIGCONT => _ = to_loop.send(Ok(Event::Resize(0, 0))),
+                _ => ask_to_end(&to_loop, signal),
+            };
+            thread::Builder::new().spawn(move || signals.forever().for_each(receive))?;
+        }
+
+        // From here on, crossterm notices each new size.
+        event::poll(Duration::ZERO)?;
+        thread::Builder::new().spawn(move || send_events(&sender))?;
+        Ok(Terminal { uses_alternate_screen, messages, is_outside })
     }
 
-    /// Writes all bytes, and waits until there is room for them. (`write_all` would fail in a pipe that
-    /// another program has made nonblocking.)
-    fn write(&self, mut bytes: &[u8]) -> io::Result<()> {
-        let pause = Duration::from_millis(1);
-        while !bytes.is_empty() {
-            match (&self.file).write(bytes) {
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => thread::sleep(pause),
-                written => bytes = &bytes[written?..],
-            }
+    /// Waits for the next event, but no longer than this, and returns all that have come. But if a signal has
+    /// come, leaves the terminal, and ends the program by that signal.
+    fn events(&self, timeout: Duration) -> Vec<Event> {
+        let first = self.messages.recv_timeout(timeout.min(LONGEST_SLEEP)).into_iter();
+        let all: Result<_, _> = first.chain(self.messages.try_iter()).collect();
+        all.unwrap_or_else(|signal| {
+            let _ = leave(self.uses_alternate_screen);
+            end_by(signal)
+        })
+    }
+
+    /// The columns and rows. A terminal that does not know its size reports 0, and is taken for 80x24. An
+    /// error means that the terminal is gone.
+    fn size(&self) -> io::Result<(u16, u16)> {
+        // On Unix, `terminal::size` would run a program to guess the size of a terminal that is gone.
+        let (columns, rows) = if cfg!(unix) {
+            terminal::window_size().map(|size| (size.columns, size.rows))?
+        } else {
+            terminal::size()?
+        };
+        Ok(if columns > 0 && rows > 0 { (columns, rows) } else { (80, 24) })
+    }
+
+    fn enter(&self) -> io::Result<()> {
+        // In the background, the settings are the shell's, and this is not the time to save them. When the
+        // program changed them, the system would stop it with the signal TTOU; so it does this now.
+        #[cfg(unix)]
+        while termios::tcgetpgrp(io::stdout()).is_ok_and(|group| group != getpgrp()) {
+            let _ = kill_current_process_group(Signal::TTOU);
+            thread::sleep(Duration::from_millis(20)); // Some programs cannot be stopped.
         }
+        self.is_outside.store(false, SeqCst);
+        self.set_raw_mode()?;
+        if self.uses_alternate_screen {
+            queue!(io::stdout(), EnterAlternateScreen)?;
+        }
+        execute!(io::stdout(), Hide)
+    }
+
+    fn set_raw_mode(&self) -> io::Result<()> {
+        terminal::enable_raw_mode()?; // The first time, this saves the settings.
+        #[cfg(unix)]
+        {
+            let mut settings = termios::tcgetattr(io::stdout())?;
+            settings.make_raw();
+            // Ctrl-C and Ctrl-\ send signals, which come through whatever else was typed.
+            settings.local_modes |= LocalModes::ISIG;
+            // Ctrl-Z arrives as a key: see `suspend`. The value for "no key" differs between systems, so the
+            // key that suspends is set to Ctrl-C, which the system takes for the key that interrupts.
+            settings.special_codes[SpecialCodeIndex::VSUSP] =
+                settings.special_codes[SpecialCodeIndex::VINTR];
+            // `\n` leads to the start of a new line, so that a frame is the same as in a pipe.
+            settings.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
+            termios::tcsetattr(io::stdout(), OptionalActions::Now, &settings)?;
+        }
+        Ok(())
+    }
+
+    /// Suspends the program's whole job until the shell's `fg`. The system ignores this where no shell could
+    /// resume the job.
+    ///
+    /// The job may include a script that runs the program. As soon as the script stops, the shell writes its
+    /// prompt, which would be lost on the alternate screen. So the program has to leave the terminal first.
+    #[cfg(unix)]
+    fn suspend(&self) -> io::Result<()> {
+        leave(self.uses_alternate_screen)?;
+        self.is_outside.store(true, SeqCst);
+        let _ = kill_current_process_group(Signal::TSTP);
+        self.enter()?;
+        self.events(Duration::ZERO); // The keys that came with Ctrl-Z are dropped.
         Ok(())
     }
 }
 
-/// The terminal, and what must be remembered in order to leave it as it was.
-struct Terminal {
-    output: Output,
-    /// With --frames, the alternate screen is not used, because the last frame has to stay.
-    uses_alternate_screen: bool,
-    /// Whether the program has entered the terminal and not left it since.
-    is_entered: AtomicBool,
-    /// Whether the program was stopped and has been continued since.
-    was_continued: AtomicBool,
-    /// Whether a signal has asked the program to end. The signal's handler sets this at once, even while the
-    /// loop waits in a write. When Ctrl-C is pressed, the system also discards the output that the terminal
-    /// has not taken, so that a stuck write goes on. With another frame, the loop could get stuck again.
-    is_ending: AtomicBool,
-    /// The first such signal. A thread sets this, a moment after `is_ending`.
-    end_signal: OnceLock<i32>,
+/// Leaves the terminal, if the program has entered it.
+fn leave(uses_alternate_screen: bool) -> io::Result<()> {
+    if !terminal::is_raw_mode_enabled()? {
+        return Ok(());
+    }
+    // In the background, the system stops the program here, before it writes on the shell's screen.
+    terminal::disable_raw_mode()?;
+    let mut stdout = io::stdout();
+    // Ctrl-C discards the output that the terminal has not taken, so the last frame may lack its end.
+    queue!(stdout, EndSynchronizedUpdate, ResetColor, MoveToColumn(0))?;
+    if uses_alternate_screen {
+        // After a change of size, tmux would copy what is still there into the shell's screen.
+        queue!(stdout, Clear(ClearType::All), LeaveAlternateScreen)?;
+    }
+    execute!(stdout, Show)
 }
 
-impl Terminal {
-    /// Gets ready to enter the terminal. The result is kept for the rest of the program's life, because the
-    /// handlers of signals and panics use it.
-    fn new(output: Output, options: &Options) -> io::Result<&'static Terminal> {
-        if env::var_os("TERM").is_some_and(|term| term == "dumb") {
-            return Err(io::Error::other("TERM is dumb, but the picture needs escape codes"));
-        }
-        let terminal: &Terminal = Box::leak(Box::new(Terminal {
-            output,
-            uses_alternate_screen: options.frames.is_none(),
-            is_entered: AtomicBool::new(false),
-            was_continued: AtomicBool::new(false),
-            is_ending: AtomicBool::new(false),
-            end_signal: OnceLock::new(),
-        }));
-        let previous_hook = panic::take_hook();
-        panic::set_hook(Box::new(move |info| {
-            let _ = terminal.leave();
-            previous_hook(info);
-            process::exit(101) // By itself, a panic ends the program only in the main thread.
-        }));
-        terminal.catch_signals().and(Ok(terminal))
-    }
-
-    /// Enters the terminal, unless the program has entered it already. Returns whether it did so just now.
-    fn enter(&self) -> io::Result<bool> {
-        // While the program was stopped, another one may have changed the screen and the settings.
-        if self.was_continued.swap(false, SeqCst) {
-            self.leave()?;
-        }
-        if self.is_entered.swap(true, SeqCst) {
-            return Ok(false);
-        }
-        self.set_cbreak_mode();
-        let mut bytes = Vec::new();
-        if self.uses_alternate_screen {
-            queue!(bytes, EnterAlternateScreen)?;
-        }
-        queue!(bytes, Hide)?;
-        self.output.write(&bytes).and(Ok(true))
-    }
-
-    /// Leaves the terminal as it was first found, if the program has entered it.
-    fn leave(&self) -> io::Result<()> {
-        if !self.is_entered.load(SeqCst) {
-            return Ok(());
-        }
-        let mut bytes = Vec::new();
-        // After Ctrl-C (see `is_ending`), the last frame may end in the middle of a row.
-        queue!(bytes, terminal::EndSynchronizedUpdate, ResetColor, MoveToColumn(0), Show)?;
-        if self.uses_alternate_screen {
-            // The alternate screen is cleared, because after a change of size, tmux would copy some of it
-            // into the shell's screen. That one must not be cleared, so if another program has switched to it
-            // during a stop, code 1047 switches back. (`EnterAlternateScreen`, code 1049, would also save the
-            // cursor: in some terminals, in place of the one that `enter` has saved.)
-            queue!(bytes, Print("\x1b[?1047h"), Clear(ClearType::All), LeaveAlternateScreen)?;
-        }
-        let written = self.output.write(&bytes);
-        self.restore_settings();
-        // This comes last, so that after a panic in the lines above, the hook still leaves the terminal.
-        self.is_entered.store(false, SeqCst);
-        written
-    }
-
-    /// If a signal has asked the program to end, ends the program by that signal, so that a shell, and a loop
-    /// or script that runs the program, can tell what ended it.
-    fn end_if_signalled(&self) {
-        while self.is_ending.load(SeqCst) {
-            if let Some(&signal) = self.end_signal.get() {
-                system::raise(signal);
-                process::exit(128 + signal) // What a shell would say of a program that the signal ended.
+/// Sends keys and new sizes to the loop. This has a thread of its own, because `event::read` waits for the end
+/// of an escape code that has begun.
+fn send_events(to_loop: &Sender<Message>) -> io::Result<()> {
+    let code = |event: &Event| event.as_key_press_event().map(|key| key.code);
+    let send = |event| to_loop.send(Ok(event)).map_err(io::Error::other);
+    loop {
+        let mut event = event::read()?;
+        if code(&event) == Some(KeyCode::Esc) && event::poll(ESCAPE_CODE_GAP)? {
+            let next = event::read()?;
+            if matches!(code(&next), Some(KeyCode::Char('[' | 'O'))) {
+                // This was not the Esc key, but the code of another one, such as ESC [ A, in pieces. Its
+                // rest looks like keys.
+                while event::poll(ESCAPE_CODE_GAP)? {
+                    event::read()?;
+                }
+                continue;
             }
-            thread::sleep(Duration::from_millis(1));
+            send(event)?;
+            event = next;
         }
-    }
-
-    /// What the threads that receive the signals do: asks the loop to end, and watches whether it does.
-    ///
-    /// The loop may be in the middle of a write. If another program is writing to the terminal, this write is
-    /// only delayed, and so is the one that restores the screen. But if the terminal takes no more output,
-    /// they would wait for ever. So after three seconds, this restores only the settings, which is not a
-    /// write, and ends the program.
-    fn enforce_end(&self, signal: i32) {
-        let _ = self.end_signal.set(signal); // Fails if another signal came first.
-        self.is_ending.store(true, SeqCst); // On Windows, there is no handler that has done so.
-        thread::sleep(Duration::from_secs(3));
-        self.restore_settings();
-        self.end_if_signalled();
+        send(event)?;
     }
 }
 
-/// Picks the single-byte keys out of what a terminal sends.
-///
-/// An arrow key, for example, sends an escape code: an ESC and more bytes. The terminal's answer to a
-/// question of an earlier program is such a code as well, and may arrive late and in pieces. Each code is
-/// followed to its end, by the grammar of ECMA-48. If a read finds nothing, a TICK or more after the last
-/// byte, no more of the code is expected, and it is dropped; but if it is only an ESC, that is the Esc key.
-struct KeyReader {
-    state: State,
-    last_arrival: Instant,
+/// Asks the loop to end because of a signal. If the loop has not ended the program in
+/// time, it is stuck in a write, because
+/// the terminal takes no more output. Then only the settings can be restored, which is not a write.
+fn ask_to_end(to_loop: &Sender<Message>, signal: i32) {
+    let _ = to_loop.send(Err(signal));
+    thread::sleep(Duration::from_secs(3));
+    let _ = terminal::disable_raw_mode();
+    end_by(signal)
 }
 
-/// Where a `KeyReader` is in what the terminal sends.
-#[derive(Clone, Copy, PartialEq)]
-enum State {
-    /// Between codes, where each byte is a key.
-    Ground,
-    /// After an ESC.
-    Escape,
-    /// After ESC and [ or O, as arrow keys send it. The sequence ends with a byte from @ to ~.
-    ControlSequence,
-    /// After ESC and one of P X ] ^ _, as a terminal's answers begin. The string ends with BEL (7), or with
-    /// another code, ESC and a backslash.
-    ControlString,
-}
-
-impl KeyReader {
-    fn new() -> KeyReader {
-        KeyReader { state: State::Ground, last_arrival: Instant::now() }
+/// Ends the program by this signal, so that a shell, and a loop or script that runs the program, can tell what
+/// ended it.
+fn end_by(signal: i32) -> ! {
+    // The first process of a container cannot end itself by a signal: the system ignores it.
+    #[cfg(unix)]
+    if process::id() != 1 {
+        let _ = low_level::emulate_default_handler(signal);
     }
-
-    /// The keys among these bytes, which are all that has come since the last call.
-    fn keys(&mut self, bytes: &[u8]) -> Vec<u8> {
-        use State::*;
-        let mut keys = Vec::new();
-        if !bytes.is_empty() {
-            self.last_arrival = Instant::now();
-        } else if self.last_arrival.elapsed() >= TICK {
-            if self.state == Escape {
-                keys.push(ESC);
-            }
-            self.state = Ground;
-        }
-        for &byte in bytes {
-            if self.state == Ground && byte != ESC {
-                keys.push(byte);
-            }
-            self.state = match (self.state, byte) {
-                (_, ESC) => Escape,
-                (Escape, b'[' | b'O') => ControlSequence,
-                (Escape, b'P' | b'X' | b']' | b'^' | b'_') => ControlString,
-                (Escape, _) => Ground, // Alt and a key, for example.
-                (ControlSequence, b'@'..=b'~') | (ControlString, b'\x07') => Ground,
-                (state, _) => state,
-            };
-        }
-        keys
-    }
-}
-
-/// What differs between systems.
-#[cfg(unix)]
-mod system {
-    use super::*;
-    use rustix::fs::{self, Mode, OFlags};
-    use rustix::process::{Signal, getpgrp, kill_current_process_group};
-    use rustix::termios::OptionalActions::Now;
-    use rustix::termios::{self, InputModes, LocalModes, OutputModes, SpecialCodeIndex, Termios};
-    use signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTERM};
-    use signal_hook::iterator::Signals;
-    use signal_hook::{flag, low_level};
-    use std::io::Read;
-    use std::os::fd::AsFd;
-
-    /// The terminal's settings when the program first entered it. They are saved only once: after a stop,
-    /// some shells leave this program's own settings in place.
-    static SETTINGS: OnceLock<Termios> = OnceLock::new();
-
-    /// The file for the output, and whether it is a terminal.
-    ///
-    /// A terminal is opened once more, for keys and output. For a moment, `read` makes the new file
-    /// nonblocking, which the programs that share standard output do not notice. A terminal that cannot be
-    /// opened is treated as a pipe.
-    pub fn open_output() -> io::Result<(File, bool)> {
-        let stdout = io::stdout();
-        if stdout.is_terminal() {
-            // If this is the controlling terminal, the one that the program was started from, it is opened as
-            // /dev/tty: under this name, even a user who does not own it may open it. The error NOTTY says
-            // that it is not.
-            let path = match termios::tcgetpgrp(&stdout) {
-                Err(rustix::io::Errno::NOTTY) => termios::ttyname(&stdout, Vec::new()),
-                _ => Ok(c"/dev/tty".into()),
-            };
-            let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC;
-            if let Ok(terminal) = path.and_then(|path| fs::open(path, flags, Mode::empty())) {
-                return Ok((terminal.into(), true));
-            }
-        }
-        Ok((stdout.as_fd().try_clone_to_owned()?.into(), false))
-    }
-
-    /// Ends the program by this signal.
-    pub fn raise(signal: i32) {
-        // The first process of a container cannot end itself by a signal: the system ignores it. Then the
-        // exit code has to do.
-        if process::id() != 1 {
-            let _ = low_level::emulate_default_handler(signal);
-        }
-    }
-
-    /// Suspends the program's whole job, as Ctrl-Z normally does by itself. The system ignores this where no
-    /// shell could resume the job.
-    ///
-    /// The job may include a script that runs the program. As soon as the script stops, the shell writes its
-    /// prompt, which would be lost on the alternate screen. So the program has to leave the terminal first.
-    pub fn suspend_job() {
-        let _ = kill_current_process_group(Signal::TSTP);
-    }
-
-    impl Terminal {
-        /// SIGINT wakes ctrlc's thread, as on every system, and the others wake the one started here.
-        /// ctrlc replaces the handler that it finds, while `flag::register` adds to it, so ctrlc comes first.
-        pub fn catch_signals(&'static self) -> io::Result<()> {
-            flag::register(SIGCONT, &self.was_continued)?;
-            ctrlc::set_handler(|| self.enforce_end(SIGINT)).map_err(io::Error::other)?;
-            let mut signals = Signals::new([SIGHUP, SIGQUIT, SIGTERM])?;
-            for signal in [SIGINT, SIGHUP, SIGQUIT, SIGTERM] {
-                flag::register(signal, &self.is_ending)?;
-            }
-            let enforce = move || signals.forever().for_each(|signal| self.enforce_end(signal));
-            thread::Builder::new().spawn(enforce).map(drop)
-        }
-
-        /// Whether the terminal is lent to another job.
-        ///
-        /// There is no answer if the terminal is not the controlling terminal, if it is gone, or if the job
-        /// in the foreground is outside of the program's container. Then this function returns false.
-        pub fn is_in_background(&self) -> bool {
-            termios::tcgetpgrp(&self.output.file).is_ok_and(|group| group != getpgrp())
-        }
-
-        /// The columns and rows. A terminal that does not know its size reports 0, and is taken for 80x24.
-        pub fn size(&self) -> io::Result<(u16, u16)> {
-            let termios::Winsize { ws_col, ws_row, .. } = termios::tcgetwinsize(&self.output.file)?;
-            Ok(if ws_col > 0 && ws_row > 0 { (ws_col, ws_row) } else { (80, 24) })
-        }
-
-        /// Sets cbreak mode, and the rest that the program needs. The first call saves what it finds.
-        ///
-        /// If the terminal is gone, this fails, and `size` reports it.
-        pub fn set_cbreak_mode(&self) {
-            let Ok(settings) = termios::tcgetattr(&self.output.file) else { return };
-            let mut changed = SETTINGS.get_or_init(|| settings).clone();
-
-            // A key is sent at once, not with the rest of its line, and is not echoed.
-            changed.local_modes -= LocalModes::ICANON | LocalModes::ECHO;
-            // Ctrl-S is a key like any other, and does not stop the output.
-            changed.input_modes -= InputModes::IXON;
-            // So are Ctrl-V, Ctrl-O and Ctrl-Y, even on macOS, where Ctrl-Y would suspend.
-            changed.local_modes -= LocalModes::IEXTEN;
-            // Ctrl-C and Ctrl-\ send signals, which work even while the loop waits to write.
-            changed.local_modes |= LocalModes::ISIG;
-            // `\n` leads to the start of a new line.
-            changed.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
-
-            // No key may suspend, because Ctrl-Z has to arrive as a byte: see `suspend_job`. The value that
-            // means "no key" differs between systems, so the key that suspends is set to the one that
-            // interrupts, Ctrl-C. The system looks for an interrupt first, so Ctrl-C still interrupts.
-            changed.special_codes[SpecialCodeIndex::VSUSP] =
-                changed.special_codes[SpecialCodeIndex::VINTR];
-            let _ = termios::tcsetattr(&self.output.file, Now, &changed);
-        }
-
-        /// Restores the saved settings, but not in the background, where the settings are the shell's, and
-        /// changing them would stop the program.
-        pub fn restore_settings(&self) {
-            if let Some(settings) = SETTINGS.get().filter(|_| !self.is_in_background()) {
-                let _ = termios::tcsetattr(&self.output.file, Now, settings);
-            }
-        }
-
-        /// Reads what the terminal has sent. If the terminal is gone, `size` reports it.
-        pub fn read(&self) -> Vec<u8> {
-            let mut file = &self.output.file;
-            // Where there is nothing to read, do not even try: a shell may just have put the program into the
-            // background, where trying would stop it.
-            let mut bytes = vec![0; rustix::io::ioctl_fionread(file).unwrap_or(0) as usize];
-            if !bytes.is_empty() {
-                // Another program may read the same bytes first. So this read must not wait for them.
-                let _ = fs::fcntl_setfl(file, OFlags::NONBLOCK);
-                let count = file.read(&mut bytes).unwrap_or(0);
-                let _ = fs::fcntl_setfl(file, OFlags::empty());
-                bytes.truncate(count);
-            }
-            bytes
-        }
-    }
-}
-
-/// Windows has neither jobs nor most of the signals. Each key arrives as an event, and `read` returns the
-/// byte that a terminal would send for it.
-#[cfg(windows)]
-mod system {
-    use super::*;
-    use crossterm::event::{self, KeyCode, KeyModifiers};
-    use std::os::windows::io::AsHandle;
-
-    const SIGINT: i32 = 2;
-
-    pub fn open_output() -> io::Result<(File, bool)> {
-        crossterm::ansi_support::supports_ansi(); // Asking turns on the console's escape codes.
-        let stdout = io::stdout();
-        Ok((stdout.as_handle().try_clone_to_owned()?.into(), stdout.is_terminal()))
-    }
-
-    pub fn raise(_: i32) {}
-    pub fn suspend_job() {}
-
-    impl Terminal {
-        pub fn catch_signals(&'static self) -> io::Result<()> {
-            ctrlc::set_handler(|| self.enforce_end(SIGINT)).map_err(io::Error::other)
-        }
-
-        pub fn set_cbreak_mode(&self) {}
-        pub fn restore_settings(&self) {}
-
-        pub fn is_in_background(&self) -> bool {
-            false
-        }
-
-        pub fn size(&self) -> io::Result<(u16, u16)> {
-            crossterm::terminal::size()
-        }
-
-        pub fn read(&self) -> Vec<u8> {
-            let mut keys = Vec::new();
-            while event::poll(Duration::ZERO).unwrap_or(false) {
-                let Ok(event) = event::read() else { break };
-                let key = event.as_key_press_event();
-                let key = key.filter(|key| (key.modifiers - KeyModifiers::SHIFT).is_empty());
-                keys.extend(key.and_then(|key| match key.code {
-                    KeyCode::Esc => Some(ESC),
-                    code => code.as_char()?.try_into().ok(),
-                }));
-            }
-            keys
-        }
-    }
+    process::exit(128 + signal) // What a shell would say of a program that the signal ended.
 }
 
 #[cfg(test)]

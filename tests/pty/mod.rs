@@ -61,7 +61,6 @@ impl Seen {
 pub struct Job {
     pub pid: Pid,
     pub is_stopped: bool,
-    pub is_in_foreground: bool,
     /// The processor time so far, of the user and of the system, in hundredths of a second.
     pub ticks: [u32; 2],
 }
@@ -219,7 +218,6 @@ impl Pty {
             is_child.then(|| Job {
                 pid: Pid::from_raw(pid.parse().unwrap()).unwrap(),
                 is_stopped: fields[0] == "T",
-                is_in_foreground: fields[2] == fields[5],
                 ticks: [fields[11], fields[12]].map(|ticks| ticks.parse().unwrap()),
             })
         })

@@ -8,7 +8,6 @@ mod chart;
 mod classic;
 mod dist;
 mod exact;
-mod keys;
 mod oracle;
 #[cfg(target_os = "linux")]
 mod panic;
