@@ -714,12 +714,15 @@ struct Options {
     #[arg(value_parser = within(SIZES))]
     height: Option<u16>,
 
-    /// Height of a cell divided by its width
+    /// Height of a cell divided by its width [default: the
+    /// terminal's, or 2]
     ///
-    /// From 0.1 to 10. A cell is the place of one character.
-    #[arg(long, help_heading = "Size", value_name = "RATIO")]
-    #[arg(default_value = "2", value_parser = within(0.1..=10.0))]
-    aspect: f64,
+    /// From 0.1 to 10. A cell is the place of one character. By default, the
+    /// terminal says how high and wide its cells are; in a pipe, or if it does
+    /// not say, 2 is assumed.
+    #[arg(long, help_heading = "Size", value_name = "RATIO", verbatim_doc_comment)]
+    #[arg(value_parser = within(ASPECTS))]
+    aspect: Option<f64>,
 
     /// Radius of the ring, in tube radii
     ///
@@ -754,6 +757,7 @@ Examples:
 
 const SIZES: RangeInclusive<u16> = 1..=4096;
 const ANGLES: RangeInclusive<f64> = -1e3..=1e3;
+const ASPECTS: RangeInclusive<f64> = 0.1..=10.0;
 /// Beyond these, the hole or the tube is too small to see in most pictures.
 const RING_RADII: RangeInclusive<f64> = 1.01..=30.0;
 /// The least K2 is this times 1 + R2. From there, a donut seen edge-on already fills 175 degrees of the view.
@@ -809,20 +813,22 @@ impl Options {
         }
     }
 
-    /// A renderer for a picture of the size that the options ask for. `terminal_size` is the terminal's
-    /// columns and rows, which limit that size, or `None` where standard output is not a terminal.
-    fn renderer(&self, terminal_size: Option<(u16, u16)>) -> Renderer {
-        let (width, height) = match terminal_size {
-            None => (self.width.unwrap_or(80), self.height.unwrap_or(22)),
-            Some((columns, rows)) => {
-                // One row stays free above the picture, and one below it.
-                let rows = rows.saturating_sub(2).max(1);
-                (self.width.unwrap_or(columns).min(columns), self.height.unwrap_or(rows).min(rows))
-            }
-        };
+    /// A renderer for a picture of the size that the options ask for. `window` is the terminal's columns and
+    /// rows, which limit that size, and the aspect of its cells; or `None` without a terminal.
+    fn renderer(&self, window: Option<(u16, u16, f64)>) -> Renderer {
+        let (columns, rows, cell_aspect) = window.unwrap_or((80, 24, 2.0));
+        // One row stays free above the picture, and one below it.
+        let rows = rows.saturating_sub(2).max(1);
+        let (mut width, mut height) = (self.width.unwrap_or(columns), self.height.unwrap_or(rows));
+        if window.is_some() {
+            (width, height) = (width.min(columns), height.min(rows));
+        }
         // A terminal may be larger than the largest picture.
         let [width, height] = [width, height].map(|size| size.min(*SIZES.end()).into());
-        let view = View::new(width, height, self.aspect, self.r2, self.k2);
+        // donut.c's own picture is the same in every font.
+        let is_donut_cs = (width, height, self.r2, self.k2) == (80, 22, 2.0, 5.0);
+        let aspect = self.aspect.unwrap_or(if is_donut_cs { 2.0 } else { cell_aspect });
+        let view = View::new(width, height, aspect, self.r2, self.k2);
         let default = if view == View::DONUT_C { Method::Classic } else { Method::Exact };
         Renderer::new(view, self.method.unwrap_or(default))
     }
@@ -867,8 +873,8 @@ fn run(options: &Options) -> io::Result<()> {
 /// donut.c's `for (;;)`. Each iteration sleeps until the next frame is due, and then draws it. On a terminal,
 /// a key, a new size or a signal ends the sleep, and the last frame may have to be drawn again.
 fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::Result<()> {
-    let mut size = terminal.map(Terminal::size).transpose()?;
-    let mut renderer = options.renderer(size);
+    let mut window = terminal.map(Terminal::window).transpose()?;
+    let mut renderer = options.renderer(window);
     let mut clear = true; // donut.c, too, begins by clearing the screen.
     let (mut is_paused, mut is_shaded) = (false, true);
     let mut angles = [options.a, options.b];
@@ -900,10 +906,10 @@ fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::
             if clear {
                 terminal.set_raw_mode()?; // After a stop, the settings may be the shell's.
             }
-            let new_size = Some(terminal.size()?);
-            if new_size != size {
-                (size, clear) = (new_size, true);
-                renderer = options.renderer(size);
+            let new_window = Some(terminal.window()?);
+            if new_window != window {
+                (window, clear) = (new_window, true);
+                renderer = options.renderer(window);
             }
         } else {
             thread::sleep(until_due);
@@ -1076,16 +1082,18 @@ impl Terminal {
         })
     }
 
-    /// The columns and rows. A terminal that does not know its size reports 0, and is taken for 80x24. An
-    /// error means that the terminal is gone.
-    fn size(&self) -> io::Result<(u16, u16)> {
-        // On Unix, `terminal::size` would run a program to guess the size of a terminal that is gone.
-        let (columns, rows) = if cfg!(unix) {
-            terminal::window_size().map(|size| (size.columns, size.rows))?
+    /// The columns and rows, and the aspect of a cell. A terminal that does not know its size reports 0, and
+    /// is taken for 80x24. An error means that the terminal is gone.
+    fn window(&self) -> io::Result<(u16, u16, f64)> {
+        // On Windows, crossterm knows no pixels. On Unix, its `size` would guess where a terminal is gone.
+        let (columns, rows, pixels) = if cfg!(windows) {
+            terminal::size().map(|(columns, rows)| (columns, rows, (0, 0)))?
         } else {
-            terminal::size()?
+            terminal::window_size()
+                .map(|size| (size.columns, size.rows, (size.width, size.height)))?
         };
-        Ok(if columns > 0 && rows > 0 { (columns, rows) } else { (80, 24) })
+        let (columns, rows) = if columns > 0 && rows > 0 { (columns, rows) } else { (80, 24) };
+        Ok((columns, rows, cell_aspect((columns, rows), pixels)))
     }
 
     fn enter(&self) -> io::Result<()> {
@@ -1137,6 +1145,15 @@ impl Terminal {
         self.events(Duration::ZERO); // The keys that came with Ctrl-Z are dropped.
         Ok(())
     }
+}
+
+/// The height of a cell divided by its width, from the size of a window in cells, and in pixels: 2 if the
+/// pixels are not known, or cannot be right.
+fn cell_aspect((columns, rows): (u16, u16), (width, height): (u16, u16)) -> f64 {
+    // Some terminals count the window's border in. It is left over when the cells get whole pixels.
+    let aspect = f64::from(height / rows) / f64::from(width / columns);
+    // OpenSSH for Windows says 640x480 of every window.
+    if ASPECTS.contains(&aspect) && (width, height) != (640, 480) { aspect } else { 2.0 }
 }
 
 /// Leaves the terminal, if the program has entered it.
