@@ -1,8 +1,8 @@
 //! donut.c, Andy Sloane's spinning ASCII torus of 2006, in Rust.
 //!
-//! donut.c fills a terminal of 80 columns and 24 rows with a picture of 80 by 22 characters. At 80x22, this
-//! program draws the same picture, byte for byte. A picture of any other size has no original to match, so it
-//! is ray-traced, unless an option says otherwise.
+//! donut.c fills a terminal of 80 columns and 24 rows with a picture of 80 by 22 characters. At this size and
+//! in these proportions, this program draws the same picture, byte for byte. Any other picture has no
+//! original to match, so it is ray-traced, unless an option says otherwise.
 //!
 //! # How donut.c draws a donut
 //!
@@ -77,38 +77,29 @@
 //!
 //! `View` says where the donut appears in the picture, and `Renderer` draws it. Then each method has a
 //! section of its own. After them come the options, and the loop that draws frame after frame. The last
-//! section is the terminal: its screen, keys and signals, and what differs between systems.
+//! section is the terminal: its screen, its keys and signals, and the shape of its cells.
 //!
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
-use std::f64::consts::TAU;
-use std::fs::File;
 use std::io::{self, IsTerminal, Write};
 use std::ops::RangeInclusive;
 use std::process::{self, ExitCode};
-use std::str::FromStr;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
-use std::sync::mpsc::{self, Receiver, Sender};
+use std::sync::{Arc, atomic::AtomicBool, atomic::Ordering::SeqCst, mpsc};
 use std::time::{Duration, Instant};
-use std::{array, env, panic, thread};
+use std::{array, env, fs, panic, thread};
 
 use clap::error::ErrorKind;
-use clap::{CommandFactory, Parser, ValueEnum, ValueHint};
-use crossterm::cursor::{Hide, MoveToColumn, Show};
+use clap::{CommandFactory, Parser, ValueEnum, ValueHint, value_parser};
 use crossterm::event::{self, Event, KeyCode, KeyModifiers};
-use crossterm::style::{self, Color, ResetColor, SetForegroundColor};
-use crossterm::terminal::{self, BeginSynchronizedUpdate, Clear, ClearType};
-use crossterm::terminal::{EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen};
-use crossterm::{execute, queue};
+use crossterm::style::{self, Color};
+use crossterm::{cursor, execute, queue, terminal};
 
 #[cfg(windows)]
 use std::os::windows::io::AsHandle;
 #[cfg(unix)]
 use {
-    rustix::process::{Signal, getpgrp, kill_current_process_group},
-    rustix::termios::{self, LocalModes, OptionalActions, OutputModes, SpecialCodeIndex},
-    signal_hook::consts::{SIGCONT, SIGHUP, SIGQUIT, SIGTERM},
+    rustix::{process as job, termios},
+    signal_hook::consts::{SIGHUP, SIGQUIT, SIGTERM},
     signal_hook::{flag, iterator::Signals, low_level},
     std::os::fd::AsFd,
 };
@@ -191,60 +182,99 @@ fn glyph(luminance: f64) -> u8 {
 
 struct Renderer {
     view: View,
-    method: Method,
     /// The character in each cell: `width * height` bytes, row by row, blank where there is no donut.
     framebuffer: Vec<u8>,
-    /// For `classic`, and empty until it draws: 1/z of the nearest sample so far, in each cell. There are two
-    /// rows more than in the framebuffer, because in donut.c's own view some samples fall below the picture,
-    /// by up to two rows.
-    zbuffer: Vec<f32>,
-    /// For `classic`: the tables of theta and of phi, made when they are first needed.
-    tables: Option<[TrigTable; 2]>,
+    /// What only `classic` needs. Without it, the method is `exact`.
+    classic: Option<Classic>,
 }
 
 impl Renderer {
     fn new(view: View, method: Method) -> Renderer {
-        let framebuffer = vec![b' '; view.width * view.height];
-        Renderer { view, method, framebuffer, zbuffer: Vec::new(), tables: None }
+        let classic = (method == Method::Classic).then(|| Classic::new(&view));
+        Renderer { view, framebuffer: vec![b' '; view.width * view.height], classic }
     }
 
     /// Draws the donut, rotated by the angles A and B, into the framebuffer.
     fn render_frame(&mut self, a: f64, b: f64) {
-        self.framebuffer.fill(b' ');
-        match self.method {
-            Method::Classic => self.plot_samples(a as f32, b as f32),
-            Method::Exact => self.trace(a, b, Torus::first_hits::<LANES>),
+        let Renderer { view, framebuffer, classic } = self;
+        framebuffer.fill(b' ');
+        match classic {
+            Some(classic) => classic.plot_samples(view, a as f32, b as f32, framebuffer),
+            None => trace(view, a, b, framebuffer, first_hits::<LANES>),
         }
+    }
+
+    /// The angles A and B of the next frame. donut.c keeps its angles in variables of type `float`, so each
+    /// of its sums is rounded, and the errors add up, until a step no longer changes so large an angle, and
+    /// the donut stands still. `classic` has to make the very same errors.
+    fn advance(&self, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|i| match self.classic {
+            Some(_) => add_step(angles[i] as f32, spin[i]).into(),
+            None => angles[i] + spin[i],
+        })
     }
 
     /// Makes every glyph of the frame the darkest one.
     fn remove_shading(&mut self) {
         self.framebuffer.iter_mut().filter(|cell| **cell != b' ').for_each(|cell| *cell = RAMP[0]);
     }
+
+    /// The bytes that show the frame. `clear` says whether to clear the screen first.
+    fn encode(&self, color: Option<Color>, is_terminal: bool, clear: bool) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::with_capacity(self.framebuffer.len() + 100);
+        // A terminal that knows synchronized updates holds the output back until the end of the update, so
+        // that nobody sees half a frame.
+        if is_terminal {
+            queue!(bytes, terminal::BeginSynchronizedUpdate)?;
+        }
+        // donut.c's own codes: to clear the screen, and to move the cursor to its top left corner.
+        bytes.extend_from_slice(if clear { b"\x1b[2J\x1b[H" } else { b"\x1b[H" });
+        if let Some(color) = color {
+            queue!(bytes, style::SetForegroundColor(color))?;
+        }
+        for row in self.framebuffer.chunks_exact(self.view.width) {
+            bytes.push(b'\n'); // In place of column 0.
+            bytes.extend_from_slice(&row[1..]);
+        }
+        bytes.push(b'\n');
+        if color.is_some() {
+            queue!(bytes, style::ResetColor)?;
+        }
+        if is_terminal {
+            queue!(bytes, terminal::EndSynchronizedUpdate)?;
+        }
+        Ok(bytes)
+    }
 }
 
 // ---- classic: samples of the surface -------------------------------------------------------------
 
-/// The sines and the cosines of the angles that one of donut.c's loops runs through.
-type TrigTable = (Vec<f32>, Vec<f32>);
+struct Classic {
+    /// 1/z of the nearest sample so far, in each cell; 0 stands for infinitely far away. Where nothing may be
+    /// drawn, it is infinity, which no sample exceeds: in column 0, in row 0, and in the two rows below the
+    /// picture, where some samples land in donut.c's own view.
+    zbuffer: Vec<f32>,
+    /// The sines and cosines of the angles in donut.c's loops: those of theta, and those of phi.
+    tables: [(Vec<f32>, Vec<f32>); 2],
+}
 
-impl Renderer {
-    /// `classic`: donut.c's double loop over theta and phi.
+impl Classic {
+    fn new(view: &View) -> Classic {
+        let zbuffer = vec![f32::INFINITY; view.width * (view.height + 2)];
+        Classic { zbuffer, tables: angle_steps(view).map(trig_table) }
+    }
+
+    /// donut.c's double loop over theta and phi.
     ///
     /// All arithmetic is in f32 and in donut.c's order of operations, because another order would round to
     /// other characters. donut.c has names of one letter: `sin_phi` is its c, `cos_theta` d, `sin_a` e,
     /// `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `cell` o.
-    fn plot_samples(&mut self, a: f32, b: f32) {
-        let View { width, height, r2, k2, cx, cy, k1x, k1y } = self.view;
+    fn plot_samples(&mut self, view: &View, a: f32, b: f32, framebuffer: &mut [u8]) {
+        let &View { width, height, r2, k2, cx, cy, k1x, k1y } = view;
         let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
         let [(sin_a, cos_a), (sin_b, cos_b)] = [a, b].map(c_sin_cos);
-        let tables = self.tables.get_or_insert_with(|| angle_steps(&self.view).map(trig_table));
-        let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] = tables;
+        let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] = &self.tables;
 
-        // In a cell of the picture, 1/z = 0 means infinitely far away, so that any sample is nearer. Column
-        // 0, row 0 and the rows below the picture have infinity instead, which no sample exceeds, so that
-        // nothing is drawn there. (`resize` sets that in the first frame, and no later one changes it.)
-        self.zbuffer.resize(width * (height + 2), f32::INFINITY);
         for row in 1..height {
             self.zbuffer[row * width + 1..(row + 1) * width].fill(0.0);
         }
@@ -253,8 +283,8 @@ impl Renderer {
         // slices tell it that there are as many sines as cosines, which saves the bounds checks.
         let phi_count = sin_phis.len();
         let (sin_phis, cos_phis) = (&sin_phis[..phi_count], &cos_phis[..phi_count]);
-        let [mut ooz, mut x, mut y] = [(); 3].map(|_| vec![0.0; phi_count]);
-        let mut cells = vec![0; phi_count];
+        let (mut ooz, mut cells) = (vec![0.0; phi_count], vec![0; phi_count]);
+        let (mut x, mut y) = (vec![0.0; phi_count], vec![0.0; phi_count]);
 
         for (&sin_theta, &cos_theta) in sin_thetas.iter().zip(cos_thetas.iter()) {
             let h = cos_theta + r2;
@@ -283,7 +313,7 @@ impl Renderer {
                         - sin_phi * cos_theta * sin_a
                         - sin_theta * cos_a
                         - cos_phi * cos_theta * sin_b;
-                    self.framebuffer[cell] = glyph(luminance.into());
+                    framebuffer[cell] = glyph(luminance.into());
                 }
             }
         }
@@ -301,12 +331,12 @@ fn angle_steps(view: &View) -> [f64; 2] {
     [0.07 / n, 0.02 / n]
 }
 
-/// The table of one of donut.c's loops, whose angle goes from 0 in steps of `step`, once round.
-fn trig_table(step: f64) -> TrigTable {
+/// The sines and cosines of the angles in one of donut.c's loops: from 0 in steps of `step`, once round.
+fn trig_table(step: f64) -> (Vec<f32>, Vec<f32>) {
     let angles = std::iter::successors(Some(0.0), |&angle| Some(add_step(angle, step)));
     // donut.c stops at 6.28. With its own steps, TAU gives the same angles. With shorter steps, stopping at
     // 6.28 would leave a gap.
-    angles.take_while(|&angle| f64::from(angle) < TAU).map(c_sin_cos).unzip()
+    angles.take_while(|&angle| f64::from(angle) < std::f64::consts::TAU).map(c_sin_cos).unzip()
 }
 
 /// donut.c's `angle += step`: C adds in `double` and rounds the sum to `float`.
@@ -341,37 +371,36 @@ const LANES: usize = 8;
 /// integer. Rounding would then choose between two glyphs; this makes every machine draw the brighter one.
 const TIE_BIAS: f64 = 1e-12;
 
-impl Renderer {
-    /// `exact`: each cell shows what the ray through its centre hits first. `first_hits` finds the hits of N
-    /// rays at a time. (It is a parameter because the tests compare several ways of finding them.)
-    fn trace<const N: usize, F>(&mut self, a: f64, b: f64, first_hits: F)
-    where
-        F: Fn(&Torus, &[Ray; N]) -> [f64; N],
-    {
-        let View { r2, k2, width, cx, cy, k1x, k1y, .. } = self.view;
-        let torus = Torus::new(r2, a, b);
-        let outline = outline_radius(r2, k2);
+/// Shows in each cell what the ray through its centre hits first. `first_hits` finds the hits of N rays at a
+/// time. (It is a parameter because the tests compare several ways of finding them.)
+fn trace<const N: usize, F>(view: &View, a: f64, b: f64, framebuffer: &mut [u8], first_hits: F)
+where
+    F: Fn(&Torus, &[Ray; N]) -> [f64; N],
+{
+    let &View { r2, k2, width, cx, cy, k1x, k1y, .. } = view;
+    let torus = Torus::new(r2, a, b);
+    let outline = outline_radius(r2, k2);
 
-        // Nothing is drawn in row 0.
-        for (row, cells) in self.framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
-            // A ray can only hit inside the outline of the bounding sphere, a circle. In this row, the circle
-            // reaches from cx - half_width to cx + half_width. (Above and below the circle, half_width is 0.
-            // Rays through column 0 miss, because `View` leaves it free.)
-            let dy = (row as f64 + 0.5 - cy) / k1y;
-            let half_width = (outline * outline - dy * dy).max(0.0).sqrt() * k1x;
-            let end = width.min((cx + half_width) as usize + 1);
+    // Nothing is drawn in row 0.
+    for (row, cells) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
+        // A ray can only hit inside the outline of the bounding sphere, a circle. In this row, the circle
+        // reaches from cx - half_width to cx + half_width. (Above and below it, half_width is 0; so it is in
+        // a picture of one column, where k1x is 0, and dy may even be NaN. Rays through column 0 miss,
+        // because `View` leaves it free.)
+        let dy = (row as f64 + 0.5 - cy) / k1y;
+        let half_width = (outline * outline - dy * dy).max(0.0).sqrt() * k1x;
+        let end = width.min((cx + half_width) as usize + 1);
 
-            // The last group of N rays may reach beyond `end`. Those hits are not used.
-            for column in ((cx - half_width) as usize..end).step_by(N) {
-                let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
-                let rays = array::from_fn(|i| torus.ray(dx(i), dy, k2));
-                let hits = first_hits(&torus, &rays);
-                // For a miss the luminance is meaningless, but a branch would prevent vectorisation.
-                let luminances: [f64; N] = array::from_fn(|i| torus.luminance(&rays[i], hits[i]));
-                for (i, cell) in cells[column..end].iter_mut().take(N).enumerate() {
-                    if hits[i] < MISS {
-                        *cell = glyph(luminances[i] + TIE_BIAS);
-                    }
+        // The last group of N rays may reach beyond `end`. Those hits are not used.
+        for column in ((cx - half_width) as usize..end).step_by(N) {
+            let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
+            let rays = array::from_fn(|i| torus.ray(dx(i), dy, k2));
+            let hits = first_hits(&torus, &rays);
+            // For a miss the luminance is meaningless, but a branch would prevent vectorisation.
+            let luminances: [f64; N] = array::from_fn(|i| torus.luminance(&rays[i], hits[i]));
+            for (i, cell) in cells[column..end].iter_mut().take(N).enumerate() {
+                if hits[i] < MISS {
+                    *cell = glyph(luminances[i] + TIE_BIAS);
                 }
             }
         }
@@ -381,7 +410,7 @@ impl Renderer {
 /// The donut of one frame.
 struct Torus {
     r2: f64,
-    /// The axis of revolution: the vector (0, 0, 1), rotated by A and B.
+    /// The axis of revolution n: the vector (0, 0, 1), rotated by A and B.
     axis: [f64; 3],
 }
 
@@ -405,85 +434,37 @@ struct Ray {
     lu: f64,
 }
 
-/// A ray's quartic G, as the coefficients p, q and r, and the place w of its inflections. G is 0 where the
-/// ray meets the surface, positive outside the donut, and negative inside. `Torus::quartic` derives it.
-/// ```text
-/// G(s) = (s^2 + p)^2 + q s + r
-///
-///  G  \              .---.              /
-///      \           .'     '.           /
-///  -----s1-------s2---------s3-------s4---> s
-///        '.    .'             '.    .'
-///          '..'                 '..'
-///             -w               w
-/// ```
-///
-/// The inflections are at -w and w, where the second derivative, 12 s^2 + 4 p, is 0. G is concave between
-/// them, and convex on either side. If p is not negative, G is convex everywhere, with a single valley; w is
-/// then set to 0.
-type Quartic = [f64; 4];
-
-/// The s of a ray that misses the donut.
-const MISS: f64 = f64::INFINITY;
-
 impl Torus {
     fn new(r2: f64, a: f64, b: f64) -> Torus {
         let [(sin_a, cos_a), (sin_b, cos_b)] = [a, b].map(f64::sin_cos);
         Torus { r2, axis: [sin_a * sin_b, -sin_a * cos_b, cos_a] }
     }
 
-    /// The ray from the viewer at (0, 0, -K2) in the direction (dx, dy, 1).
+    /// The ray from the viewer at V = (0, 0, -K2) in the direction (dx, dy, 1).
+    ///
+    /// U is (dx, dy, 1) divided by its length. So U = Uz (dx, dy, 1), and Uz^2 (dx^2 + dy^2 + 1) = 1. P0 is V
+    /// without its part along U:
+    /// ```text
+    /// P0   = V - (V.U) U = (0, 0, -K2) + K2 Uz^2 (dx, dy, 1) = K2 Uz^2 (dx, dy, -(dx^2 + dy^2))
+    /// d0^2 = |V|^2 - (V.U)^2 = K2^2 (1 - Uz^2) = K2^2 Uz^2 (dx^2 + dy^2)
+    /// ```
     fn ray(&self, dx: f64, dy: f64, k2: f64) -> Ray {
         let [nx, ny, nz] = self.axis;
-        // Let alpha be the angle between the ray and the z axis. Then dx^2 + dy^2 is tan^2 alpha, and U is
-        // (dx, dy, 1) times cos alpha. The viewer, P0 and the centre form a right triangle, whose hypotenuse
-        // is K2. So P0 is K2 cos alpha away from the viewer, at the depth K2 cos^2 alpha, and d0 is K2 sin
-        // alpha, so that d0^2 is K2 tan^2 alpha times the depth. The x and y of P0 are dx and dy times the
-        // depth. Its z is depth - K2, which is -K2 sin^2 alpha, or -tan^2 alpha times the depth.
-        let tan_squared = dx * dx + dy * dy;
-        let cos = 1.0 / (1.0 + tan_squared).sqrt();
-        let depth = k2 * cos * cos;
+        let xy_squared = dx * dx + dy * dy;
+        let uz = 1.0 / (1.0 + xy_squared).sqrt();
+        let scale = k2 * uz * uz;
         Ray {
-            d0_squared: k2 * depth * tan_squared,
-            f0: depth * (dx * nx + dy * ny - tan_squared * nz),
-            fu: cos * (dx * nx + dy * ny + nz),
-            l0: depth * (tan_squared - dy),
-            lu: -cos * (dy + 1.0),
+            d0_squared: k2 * scale * xy_squared,
+            f0: scale * (dx * nx + dy * ny - xy_squared * nz),
+            fu: uz * (dx * nx + dy * ny + nz),
+            l0: scale * (xy_squared - dy),
+            lu: -uz * (dy + 1.0),
         }
     }
 
-    /// The quartic of a ray.
-    ///
-    /// Let h be the distance of P from the axis. P is on the surface if it is R1 = 1 away from the ring:
-    /// ```text
-    /// (h - R2)^2 + f^2 = 1
-    /// |P|^2 + R2^2 - 1 = 2 R2 h                        because |P|^2 = h^2 + f^2
-    /// (|P|^2 + R2^2 - 1)^2 = 4 R2^2 (|P|^2 - f^2)      squared
-    /// ```
-    ///
-    /// Squaring adds no roots: as R2 > 1, neither side of the second line can be negative. With |P|^2 and f
-    /// written out, and with c = d0^2 + R2^2 - 1, the last line is G(s) = 0, where
-    /// ```text
-    /// G(s) = (s^2 + c)^2 - 4 R2^2 (d0^2 + s^2 - (f0 + fu s)^2)
-    ///      = s^4 + 2 p s^2 + q s + p^2 + r      p = c - 2 R2^2 (1 - fu^2)
-    ///      = (s^2 + p)^2 + q s + r              q = 8 R2^2 f0 fu
-    ///                                           r = c^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
-    /// ```
-    ///
-    /// As s is measured from P0, there is no cubic term. So one w serves both inflections, and the
-    /// coefficients stay small however far away the viewer is.
-    fn quartic(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> Quartic {
-        let r2_squared = self.r2 * self.r2;
-        let c = d0_squared + r2_squared - 1.0;
-        let p = c - 2.0 * r2_squared * (1.0 - fu * fu);
-        let q = 8.0 * r2_squared * f0 * fu;
-        let r = c * c - p * p - 4.0 * r2_squared * (d0_squared - f0 * f0);
-        [p, q, r, (p / -3.0).max(0.0).sqrt()]
-    }
-
     /// The s where the ray enters the donut's bounding volume: the slice of the bounding sphere between the
-    /// planes f = -1 and f = 1. No hit comes before it. For a ray that misses the volume, any s will do: G is
-    /// positive everywhere, so a search finds nothing.
+    /// planes f = -1 and f = 1. No hit comes before it. For a ray that misses the volume, any s will do: it
+    /// misses the donut as well, so a search finds nothing.
     fn entry(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> f64 {
         let sphere_radius = 1.0 + self.r2;
         let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(0.0).sqrt();
@@ -506,7 +487,8 @@ impl Torus {
     /// L      = (1 - R2 / h) (P.l - f n.l) + f n.l
     /// ```
     ///
-    /// On the surface, h is (|P|^2 + R2^2 - 1) / (2 R2): see `quartic`.
+    /// As P is 1 away from the ring, (h - R2)^2 + f^2 = 1; and h^2 + f^2 = |P|^2. So the difference of the
+    /// two gives h: 2 R2 h = |P|^2 + R2^2 - 1.
     fn luminance(&self, ray: &Ray, s: f64) -> f64 {
         let r2_squared = self.r2 * self.r2;
         let f = ray.f0 + ray.fu * s;
@@ -515,72 +497,125 @@ impl Torus {
         let r2_over_h = 2.0 * r2_squared / (ray.d0_squared + s * s + r2_squared - 1.0);
         (1.0 - r2_over_h) * (p_dot_l - f * n_dot_l) + f * n_dot_l
     }
+}
 
-    /// The s of each ray's first hit, or `MISS`.
-    ///
-    /// The viewer is outside the donut, so a ray's first hit is where its G first falls to 0. Left of -w, G
-    /// is convex and comes down from infinity, so it falls to 0 at most once there, at s1 in the drawing of
-    /// `Quartic`. If there is no s1, G is not negative at -w; and as it is concave from there to w, and
-    /// convex after that, it falls to 0 at most once, at s3. (If p is not negative, w is 0: a hit left of 0
-    /// counts as s1, and any other as s3.)
-    ///
-    /// Each search uses Newton's method, which steps from s to the root of the tangent at s:
+/// A ray's quartic G: a polynomial in s, which is 0 where the ray meets the surface, positive outside the
+/// donut, and negative inside.
+/// ```text
+/// G(s) = (s^2 + p)^2 + q s + r
+///
+///  G  \              .---.              /
+///      \           .'     '.           /
+///  -----s1-------s2---------s3-------s4---> s
+///        '.    .'             '.    .'
+///          '..'                 '..'
+///             -w               w
+/// ```
+///
+/// The inflections are at -w and w, where the second derivative, 12 s^2 + 4 p, is 0. G is concave between
+/// them, and convex on either side. If p is not negative, G is convex everywhere, with a single valley; w is
+/// then set to 0.
+struct Quartic {
+    p: f64,
+    q: f64,
+    r: f64,
+    w: f64,
+}
+
+impl Quartic {
+    /// Let h be the distance of P from the axis. The square of its distance from the ring is (h - R2)^2 +
+    /// f^2: 1 on the surface, more outside, and less inside. So G may be (h - R2)^2 + f^2 - 1, times
+    /// something positive. As R2 > 1, the second factor below is positive; and it removes h, which is a
+    /// square root.
     /// ```text
-    /// s = entry if entry < -w, otherwise w
-    /// until the steps are tiny:                                               step_right
-    ///     if s < -w, and G rises at s or the step leads to -w or beyond: jump to w
-    ///     otherwise: step right, or stay if the step leads left
-    /// if s >= w, and G rises at s: a miss
-    /// if s is still w: until the steps are tiny, step left                    step_left
-    /// s is the hit: s1 if s < -w, otherwise s3
+    /// G = ((h - R2)^2 + f^2 - 1) ((h + R2)^2 + f^2 - 1)
+    ///   = (h^2 + f^2 + R2^2 - 1)^2 - 4 R2^2 h^2
+    ///   = (|P|^2 + R2^2 - 1)^2 - 4 R2^2 (|P|^2 - f^2)           because h^2 + f^2 = |P|^2
+    ///   = (s^2 + c)^2 - 4 R2^2 (d0^2 + s^2 - (f0 + fu s)^2)     where c = d0^2 + R2^2 - 1
+    ///   = s^4 + 2 p s^2 + q s + p^2 + r
+    ///
+    /// p = c - 2 R2^2 (1 - fu^2)
+    /// q = 8 R2^2 f0 fu
+    /// r = c^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
     /// ```
     ///
-    /// *No step passes a root.* A convex curve lies above its tangents. So where G is convex and positive,
-    /// the tangent falls to 0 before G does, and a step to the right ends before the root or at it, unless it
-    /// leaves the convex part. A concave curve lies below its tangents. So where G is concave and negative, a
-    /// step to the left ends before the root or at it as well.
-    ///
-    /// *The start at w is safe.* The search is at w only if there is no s1: either it has jumped there, or
-    /// the ray enters at -w or later, and no hit comes before the entry. So G is not negative at -w. If G is
-    /// positive at w, it is positive between -w and w, too, because a concave curve lies above its chords. So
-    /// s3, if there is one, is further right, where G is convex. If G is 0 or negative at w, s3 is at w or
-    /// left of it, and as G is concave, it falls all the way from s3 to w. Then no step leads right, so the
-    /// search is still at w, and steps left. (A ray that only grazes the donut at w = 0 has the slope 0
-    /// there, and counts as a miss.)
-    ///
-    /// *A jump skips no s1, and a miss no s3.* The steps to the right start where G is positive, or falls,
-    /// and pass no root. So if G rises at s, it is positive there, and goes on rising as long as it is
-    /// convex: up to -w, or for ever. And if a step from the left of -w leads to -w or beyond, the tangent is
-    /// positive before -w, and G lies above it.
-    ///
-    /// *Every search ends.* The N searches go on as long as one of them jumps, which each does once at most,
-    /// or takes a step longer than TOLERANCE. Steps to the right cannot go on for ever, because far to the
-    /// right G is positive and rises, so that a step would lead left. Steps to the left end at -w at the
-    /// latest.
-    fn first_hits<const N: usize>(&self, rays: &[Ray; N]) -> [f64; N] {
-        // Each coefficient has an array of its own, so that one instruction loads it for several rays.
-        let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
-        for (i, ray) in rays.iter().enumerate() {
-            [p[i], q[i], r[i], w[i]] = self.quartic(ray);
-            let entry = self.entry(ray);
-            s[i] = if entry < -w[i] { entry } else { w[i] };
-        }
-        let quartic_of = |i: usize| [p[i], q[i], r[i], w[i]];
-
-        s = repeat(s, |i, s| step_right(quartic_of(i), s));
-
-        let mut is_any_at_w = false;
-        for i in 0..N {
-            let (_, slope) = tangent(quartic_of(i), s[i]);
-            s[i] = if s[i] >= w[i] && slope >= 0.0 { MISS } else { s[i] };
-            is_any_at_w |= s[i] == w[i];
-        }
-        // Most of the time, none is at w.
-        if is_any_at_w {
-            s = repeat(s, |i, s| step_left(quartic_of(i), s));
-        }
-        s
+    /// As s is measured from P0, there is no cubic term. So one w serves both inflections, and the
+    /// coefficients stay small however far away the viewer is.
+    fn new(r2: f64, &Ray { d0_squared, f0, fu, .. }: &Ray) -> Quartic {
+        let r2_squared = r2 * r2;
+        let c = d0_squared + r2_squared - 1.0;
+        let p = c - 2.0 * r2_squared * (1.0 - fu * fu);
+        let q = 8.0 * r2_squared * f0 * fu;
+        let r = c * c - p * p - 4.0 * r2_squared * (d0_squared - f0 * f0);
+        Quartic { p, q, r, w: (p / -3.0).max(0.0).sqrt() }
     }
+}
+
+/// The s of a ray that misses the donut.
+const MISS: f64 = f64::INFINITY;
+
+/// The s of each ray's first hit, or `MISS`.
+///
+/// The viewer is outside the donut, so a ray's first hit is where its G first falls to 0. Left of -w, G is
+/// convex and comes down from infinity, so it falls to 0 at most once there, at s1. If there is no s1, G is
+/// not negative at -w; and as it is concave from there to w, and convex after that, it falls to 0 at most
+/// once, at s3. A root at -w itself counts as s3.
+///
+/// Each search uses Newton's method, which steps from s to the root of the tangent at s:
+/// ```text
+/// s = entry if entry < -w, otherwise w
+/// until the steps are tiny:                                               step_right
+///     if s < -w, and G rises at s or the step leads to -w or beyond: jump to w
+///     otherwise: step right, or stay if the step leads left
+/// if s >= w, and G rises at s: a miss
+/// if s is still w: until the steps are tiny, step left                    step_left
+/// s is the hit: s1 if s < -w, otherwise s3
+/// ```
+///
+/// A slope of 0 counts as rising. If G is 0 there, too, the ray only grazes the donut, and may miss it.
+///
+/// *No step passes a root.* A convex curve lies above its tangents. So where G is convex and positive, the
+/// tangent falls to 0 before G does, and a step to the right ends before the root or at it, unless it leaves
+/// the convex part. A concave curve lies below its tangents. So where G is concave and negative, a step to
+/// the left ends before the root or at it as well.
+///
+/// *The start at w is safe.* The search is at w only if there is no s1: either it has jumped there, or the
+/// ray enters at -w or later, and no hit comes before the entry. So G is not negative at -w. If G is positive
+/// at w, it is positive between -w and w, too, because a concave curve lies above its chords. So s3, if there
+/// is one, is further right, where G is convex. Otherwise s3 is at w or left of it, and G falls at w: if w >
+/// 0, because G is concave and not higher at w than at -w; and if w = 0, because G is 0 there, and positive
+/// on the left. So no step leads right: the search is still at w, and steps left.
+///
+/// *A jump skips no s1, and a miss no s3.* The steps to the right start where G is positive, or falls, and
+/// pass no root. So if G rises at s, it is positive there, and goes on rising as long as it is convex: up to
+/// -w, or for ever. And if a step from the left of -w leads to -w or beyond, the tangent is positive before
+/// -w, and G lies above it.
+///
+/// *Every search ends.* Each jumps at most once. Steps to the right cannot go on for ever, because far to the
+/// right G is positive and rises, so that a step would lead left. Steps to the left end at -w at the latest.
+fn first_hits<const N: usize>(torus: &Torus, rays: &[Ray; N]) -> [f64; N] {
+    // Each coefficient has an array of its own, so that one instruction loads it for several rays.
+    let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
+    for (i, ray) in rays.iter().enumerate() {
+        Quartic { p: p[i], q: q[i], r: r[i], w: w[i] } = Quartic::new(torus.r2, ray);
+        let entry = torus.entry(ray);
+        s[i] = if entry < -w[i] { entry } else { w[i] };
+    }
+    let quartic = |i: usize| Quartic { p: p[i], q: q[i], r: r[i], w: w[i] };
+
+    s = repeat(s, |i, s| quartic(i).step_right(s));
+    // A search is at w, exactly, only if it was put there and has found no step to the right. Most of the
+    // time, none is.
+    let mut is_any_at_w = false;
+    for i in 0..N {
+        let (_, slope) = quartic(i).tangent(s[i]);
+        s[i] = if s[i] >= w[i] && slope >= 0.0 { MISS } else { s[i] };
+        is_any_at_w |= s[i] == w[i];
+    }
+    if is_any_at_w {
+        s = repeat(s, |i, s| quartic(i).step_left(s));
+    }
+    s
 }
 
 /// Takes one step of every search, again and again, until none goes on. `step` takes search i from its s to
@@ -598,53 +633,59 @@ fn repeat<const N: usize>(mut s: [f64; N], step: impl Fn(usize, f64) -> (f64, bo
     s
 }
 
-/// A search ends with a step no longer than this, in units of R1. Newton's method converges so fast that
-/// little more than rounding error is left then. Only where a ray grazes the donut may the true hit be
-/// more than this away. But there the ray runs along the surface, where the luminance hardly changes.
+/// The N searches go on together until none of them takes a step longer than this, in units of R1. Newton's
+/// method converges so fast that little more than rounding error is left then. Only where a ray grazes the
+/// donut may the true hit be more than this away; but there the ray runs along the surface, where the
+/// luminance hardly changes. Whether a ray within rounding error of a graze hits or misses may depend on how
+/// many steps the others need.
 const TOLERANCE: f64 = 1e-8;
 
-// The steps of `first_hits`, for one ray. They have no branches, so that the compiler can vectorise the loops
-// that call them: `&` and `|` evaluate both sides, and each `if` only chooses between two values.
+// For one ray. There are no branches here, so that the compiler can vectorise the loops that call these
+// functions: `&` and `|` evaluate both sides, and each `if` only chooses between two values.
+impl Quartic {
+    /// The root of the tangent at s, which is where Newton's method steps, and the slope of G at s. If the
+    /// slope is 0, the root is infinite or NaN; a search to the right then jumps or ends as a miss, and one
+    /// to the left has come to -w.
+    fn tangent(&self, s: f64) -> (f64, f64) {
+        let &Quartic { p, q, r, .. } = self;
+        let base = s * s + p;
+        let slope = 4.0 * base * s + q;
+        (s - (base * base + (q * s + r)) / slope, slope)
+    }
 
-/// The root of the tangent at s, which is where Newton's method steps, and the slope of G at s. Where the
-/// slope is 0, the root is infinite or NaN, and a search to the right jumps or ends as a miss.
-fn tangent([p, q, r, _]: Quartic, s: f64) -> (f64, f64) {
-    let base = s * s + p;
-    let slope = 4.0 * base * s + q;
-    (s - (base * base + (q * s + r)) / slope, slope)
-}
+    /// Where the search goes from s, and whether it goes on from there.
+    fn step_right(&self, s: f64) -> (f64, bool) {
+        let (root, slope) = self.tangent(s);
+        let jumps = (s < -self.w) & ((slope >= 0.0) | (root >= -self.w));
+        let next = if root > s { root } else { s };
+        (if jumps { self.w } else { next }, jumps | (next - s > TOLERANCE))
+    }
 
-/// Where the search goes from s, and whether it goes on from there.
-fn step_right(quartic @ [.., w]: Quartic, s: f64) -> (f64, bool) {
-    let (root, slope) = tangent(quartic, s);
-    let jumps = (s < -w) & ((slope >= 0.0) | (root >= -w));
-    let next = if root > s { root } else { s };
-    (if jumps { w } else { next }, jumps | (next - s > TOLERANCE))
-}
-
-/// The same for a search between -w and w. Any other has ended, and stays: right of w and at MISS because
-/// `s <= w` is false, and left of -w because `next` is further right.
-fn step_left(quartic @ [.., w]: Quartic, s: f64) -> (f64, bool) {
-    let (root, _) = tangent(quartic, s);
-    // s3 is not left of -w. Only rounding can make a step seem to lead past -w.
-    let next = if root > -w { root } else { -w };
-    let goes_left = (s <= w) & (next < s);
-    (if goes_left { next } else { s }, goes_left & (s - next > TOLERANCE))
+    /// The same for a search between -w and w. A search elsewhere is over, and stays: right of w because
+    /// `s <= w` is false, and left of -w because `next` is further right.
+    fn step_left(&self, s: f64) -> (f64, bool) {
+        let (root, _) = self.tangent(s);
+        // s3 is not left of -w. Only rounding can make a step seem to lead past -w.
+        let next = if root > -self.w { root } else { -self.w };
+        let goes_left = (s <= self.w) & (next < s);
+        (if goes_left { next } else { s }, goes_left & (s - next > TOLERANCE))
+    }
 }
 
 // ---- Options -------------------------------------------------------------------------------------
 
 /// A spinning ASCII donut: donut.c's at 80x22, otherwise ray-traced
 ///
-/// On a terminal the donut fills the window and spins until you press q. If the
-/// output goes to a pipe or a file, it is what donut.c writes, escape codes
+/// On a terminal the donut fills the window and spins until you press q. In a
+/// pipe or a file, each frame is written as donut.c writes it, escape codes
 /// included. The size is then 80x22 unless you set another, and the donut spins
 /// until you press Ctrl-C or the reader of the pipe goes away, or for as many
-/// frames as --frames says.
+/// frames as --frames says. With another --aspect, --r2 or --k2 than donut.c's,
+/// the donut is ray-traced at 80x22, too.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
-// A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`. Angles may be
-// negative, and completions must not offer file names as values.
+// A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`. A negative number is
+// a value, even where it is refused, and completions must not offer file names as values.
 #[command(args_override_self = true)]
 #[command(mut_args(|option| option.allow_negative_numbers(true).value_hint(ValueHint::Other)))]
 struct Options {
@@ -660,7 +701,6 @@ struct Options {
     /// On a terminal, the first frame clears the screen, and the prompt comes
     /// below the last one.
     #[arg(long, help_heading = "Motion", value_name = "N", verbatim_doc_comment)]
-    #[arg(value_parser = within(0..=1_000_000_000_000_u64))]
     frames: Option<u64>,
 
     /// Rotation per frame, in radians
@@ -703,7 +743,8 @@ struct Options {
     /// Columns [default: all, or 80 in a pipe]
     ///
     /// From 1 to 4096. On a terminal, at most its columns.
-    #[arg(long, help_heading = "Size", value_name = "COLS", value_parser = within(SIZES))]
+    #[arg(long, help_heading = "Size", value_name = "COLS")]
+    #[arg(value_parser = value_parser!(u16).range(1..=MAX_SIZE.into()))]
     width: Option<u16>,
 
     /// Rows [default: all but 2, or 22 in a pipe]
@@ -711,15 +752,14 @@ struct Options {
     /// From 1 to 4096. On a terminal, at most its rows minus 2, but at
     /// least 1. The top row stays empty, and so does the first column.
     #[arg(long, help_heading = "Size", value_name = "ROWS", verbatim_doc_comment)]
-    #[arg(value_parser = within(SIZES))]
+    #[arg(value_parser = value_parser!(u16).range(1..=MAX_SIZE.into()))]
     height: Option<u16>,
 
     /// Height of a cell divided by its width [default: the
     /// terminal's, or 2]
     ///
-    /// From 0.1 to 10. A cell is the place of one character. By default, the
-    /// terminal says how high and wide its cells are; in a pipe, or if it does
-    /// not say, 2 is assumed.
+    /// From 0.1 to 10. A cell is the place of one character. By default, it
+    /// has the shape that the terminal says, if it does.
     #[arg(long, help_heading = "Size", value_name = "RATIO", verbatim_doc_comment)]
     #[arg(value_parser = within(ASPECTS))]
     aspect: Option<f64>,
@@ -729,23 +769,24 @@ struct Options {
     /// From 1.01 to 30. The ring is the circle in the middle of the tube, all
     /// round the hole.
     #[arg(long, help_heading = "Geometry", value_name = "R", verbatim_doc_comment)]
-    #[arg(default_value = "2", value_parser = within(RING_RADII))]
+    // Beyond these, the hole or the tube is too small to see in most pictures.
+    #[arg(default_value = "2", value_parser = within(1.01..=30.0))]
     r2: f64,
 
     /// Distance to the donut's centre, in tube radii
     ///
-    /// At least 1.001 times the sum of 1 and --r2, at most 1000000. Except in
-    /// donut.c's own picture, the donut is scaled so that no pose is cut
-    /// off. So a greater distance flattens the perspective, and makes few
-    /// poses smaller. From very near, most poses look small, to leave room
-    /// for the one that comes nearest to you.
+    /// At least 1.001 times the sum of 1 and --r2, rounded up to six
+    /// decimals, and at most 1000000. Except in donut.c's own picture, the
+    /// donut is scaled so that no pose is cut off. So a greater distance
+    /// flattens the perspective, and makes few poses less high or wide. From
+    /// very near, most poses look small, to leave room for the one that comes
+    /// nearest to you.
     #[arg(long, help_heading = "Geometry", value_name = "D", verbatim_doc_comment)]
     #[arg(default_value = "5")]
     k2: f64,
 }
 
-const AFTER_HELP: &str = "\
-Keys:
+const AFTER_HELP: &str = "Keys:
   q, Esc, Ctrl-C  quit
   p               pause or resume
   space           turn the shading off or on
@@ -755,23 +796,15 @@ Examples:
   donut --fps 60 --spin 0.02,0.01   # smoother, at the same speed
   donut -A 1 -B 1 --color cyan";
 
-const SIZES: RangeInclusive<u16> = 1..=4096;
+const MAX_SIZE: u16 = 4096;
 const ANGLES: RangeInclusive<f64> = -1e3..=1e3;
 const ASPECTS: RangeInclusive<f64> = 0.1..=10.0;
-/// Beyond these, the hole or the tube is too small to see in most pictures.
-const RING_RADII: RangeInclusive<f64> = 1.01..=30.0;
-/// The least K2 is this times 1 + R2. From there, a donut seen edge-on already fills 175 degrees of the view.
-const LEAST_K2_FACTOR: f64 = 1.001;
 
 /// A parser for the numbers in a range.
-fn within<T: FromStr + PartialOrd + std::fmt::Display + Clone>(
-    range: RangeInclusive<T>,
-) -> impl Fn(&str) -> Result<T, String> + Clone {
+fn within(range: RangeInclusive<f64>) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| {
         let number = text.parse().ok().filter(|number| range.contains(number));
-        // An integer type cannot parse a fraction.
-        let kind = if "0.5".parse::<T>().is_ok() { "number" } else { "whole number" };
-        number.ok_or_else(|| format!("expected a {kind} from {} to {}", range.start(), range.end()))
+        number.ok_or_else(|| format!("expected a number from {} to {}", range.start(), range.end()))
     }
 }
 
@@ -797,20 +830,20 @@ fn parse_color(text: &str) -> Result<Color, String> {
 }
 
 impl Options {
-    /// What is wrong with the values of --k2 and --method, whose rules depend on other options.
+    /// What is wrong with --k2 or --method, whose rules depend on other options.
     fn conflict(&self) -> Option<String> {
         let &Options { method, r2, k2, .. } = self;
-        // Rounded up to six decimals, so that a user can type what the message shows.
-        let least = (1e6 * LEAST_K2_FACTOR * (1.0 + r2)).ceil() / 1e6;
-        if !(least..=1_000_000.0).contains(&k2) {
-            let rule = format!("{LEAST_K2_FACTOR} times the sum of 1 and --r2");
-            Some(format!("--k2 is {k2}, but must be from {least} ({rule}) to 1000000"))
-        } else if method == Some(Method::Classic) && (r2, k2) != (2.0, 5.0) {
-            // With other lengths, the steps of `classic` may be too long: see `angle_steps`.
-            Some(format!("--method classic needs --r2 2 and --k2 5, but these are {r2} and {k2}"))
-        } else {
-            None
+        // 1.001 times 1 + R2, from where a donut seen edge-on fills 175 degrees of the view. It is rounded up
+        // to six decimals, so that a user can type what the message shows.
+        let least = (1.001e6 * (1.0 + r2)).ceil() / 1e6;
+        if !(least..=1e6).contains(&k2) {
+            let rule = "1.001 times the sum of 1 and --r2";
+            return Some(format!("--k2 is {k2}, but must be from {least} ({rule}) to 1000000"));
         }
+        // With other lengths, the steps of `classic` may be too long: see `angle_steps`.
+        let is_refused = method == Some(Method::Classic) && (r2, k2) != (2.0, 5.0);
+        let rule = "--method classic needs --r2 2 and --k2 5, but these are";
+        is_refused.then(|| format!("{rule} {r2} and {k2}"))
     }
 
     /// A renderer for a picture of the size that the options ask for. `window` is the terminal's columns and
@@ -819,24 +852,16 @@ impl Options {
         let (columns, rows, cell_aspect) = window.unwrap_or((80, 24, 2.0));
         // One row stays free above the picture, and one below it.
         let rows = rows.saturating_sub(2).max(1);
-        let (mut width, mut height) = (self.width.unwrap_or(columns), self.height.unwrap_or(rows));
-        if window.is_some() {
-            (width, height) = (width.min(columns), height.min(rows));
-        }
         // A terminal may be larger than the largest picture.
-        let [width, height] = [width, height].map(|size| size.min(*SIZES.end()).into());
+        let most = |all: u16| if window.is_some() { all.min(MAX_SIZE) } else { MAX_SIZE };
+        let width = self.width.unwrap_or(columns).min(most(columns)).into();
+        let height = self.height.unwrap_or(rows).min(most(rows)).into();
         // donut.c's own picture is the same in every font.
         let is_donut_cs = (width, height, self.r2, self.k2) == (80, 22, 2.0, 5.0);
         let aspect = self.aspect.unwrap_or(if is_donut_cs { 2.0 } else { cell_aspect });
         let view = View::new(width, height, aspect, self.r2, self.k2);
         let default = if view == View::DONUT_C { Method::Classic } else { Method::Exact };
         Renderer::new(view, self.method.unwrap_or(default))
-    }
-
-    /// The time from one frame to the next: none if --fps is 0.
-    fn interval(&self) -> Duration {
-        // If --fps is tiny, a Duration cannot hold so many seconds. 1e9 of them, nearly 32 years, will do.
-        Duration::from_secs_f64(if self.fps > 0.0 { f64::min(1.0 / self.fps, 1e9) } else { 0.0 })
     }
 }
 
@@ -860,25 +885,31 @@ fn main() -> ExitCode {
 /// Spins the donut until the last frame is drawn, a key or a signal ends it, or its output cannot be written.
 fn run(options: &Options) -> io::Result<()> {
     style::force_color_output(true); // --color is explicit, so it overrides NO_COLOR.
-    let output = Output::new(options.color)?;
-    if !output.is_terminal {
-        return play(options, &output, None);
+    if !io::stdout().is_terminal() {
+        return play(options, None);
     }
-    let terminal = Terminal::new(options)?;
-    let played = terminal.enter().and_then(|()| play(options, &output, Some(&terminal)));
-    let left = leave(terminal.uses_alternate_screen);
-    played.and(left)
+    let terminal = Terminal::new(options.frames.is_none())?;
+    let played = terminal.enter().and_then(|()| play(options, Some(&terminal)));
+    played.and(leave(terminal.uses_alternate_screen))
 }
 
 /// donut.c's `for (;;)`. Each iteration sleeps until the next frame is due, and then draws it. On a terminal,
 /// a key, a new size or a signal ends the sleep, and the last frame may have to be drawn again.
-fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::Result<()> {
+fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
+    // Standard output without the buffer of `io::stdout`, which would write some frames in two parts.
+    #[cfg(unix)]
+    let stdout = io::stdout().as_fd().try_clone_to_owned()?;
+    #[cfg(windows)]
+    let stdout = io::stdout().as_handle().try_clone_to_owned()?;
+    let mut stdout = fs::File::from(stdout);
     let mut window = terminal.map(Terminal::window).transpose()?;
     let mut renderer = options.renderer(window);
     let mut clear = true; // donut.c, too, begins by clearing the screen.
     let (mut is_paused, mut is_shaded) = (false, true);
     let mut angles = [options.a, options.b];
     let mut frame_count = 0;
+    // If --fps is tiny, a Duration cannot hold so many seconds. 1e9 of them, nearly 32 years, will do.
+    let seconds = if options.fps > 0.0 { f64::min(1.0 / options.fps, 1e9) } else { 0.0 };
     let mut due = Instant::now();
 
     while options.frames.is_none_or(|frames| frame_count < frames) {
@@ -890,6 +921,7 @@ fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::
                 clear |= matches!(event, Event::Resize(..));
                 let Some(key) = event.as_key_press_event() else { continue };
                 match (key.modifiers - KeyModifiers::SHIFT, key.code) {
+                    // On Unix, Ctrl-C sends a signal, and is a key only where `stty` has changed that.
                     (KeyModifiers::NONE, KeyCode::Char('q' | 'Q') | KeyCode::Esc)
                     | (KeyModifiers::CONTROL, KeyCode::Char('c')) => return Ok(()),
                     (KeyModifiers::NONE, KeyCode::Char('p' | 'P')) => is_paused = !is_paused,
@@ -903,9 +935,6 @@ fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::
                     _ => {}
                 }
             }
-            if clear {
-                terminal.set_raw_mode()?; // After a stop, the settings may be the shell's.
-            }
             let new_window = Some(terminal.window()?);
             if new_window != window {
                 (window, clear) = (new_window, true);
@@ -918,123 +947,57 @@ fn play(options: &Options, output: &Output, terminal: Option<&Terminal>) -> io::
         let is_due = !is_paused && due <= Instant::now();
         if is_due {
             if frame_count > 0 {
-                angles = advance(renderer.method, angles, options.spin);
+                angles = renderer.advance(angles, options.spin);
             }
             frame_count += 1;
             // Each frame is due one interval after the one before was due, so that delays do not add up. But
             // after a stall, the next is due now, so that the missed frames do not come in a burst.
-            due = (due + options.interval()).max(Instant::now());
+            due = (due + Duration::from_secs_f64(seconds)).max(Instant::now());
         }
         if is_due || clear || is_shaded != was_shaded {
             renderer.render_frame(angles[0], angles[1]);
             if !is_shaded {
                 renderer.remove_shading();
             }
-            output.show(&renderer, clear)?;
+            let bytes = renderer.encode(options.color, terminal.is_some(), clear)?;
             clear = false;
+            let _lock = io::stdout().lock(); // See the hook in `Terminal::new`.
+            stdout.write_all(&bytes)?;
         }
     }
     Ok(())
-}
-
-/// The angles A and B of the next frame. donut.c keeps its angles in variables of type `float`, so each of
-/// its sums is rounded, and the errors add up, until a step no longer changes so large an angle, and the
-/// donut stands still. `Classic` has to make the very same errors.
-fn advance(method: Method, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
-    [0, 1].map(|i| match method {
-        Method::Classic => add_step(angles[i] as f32, spin[i]).into(),
-        Method::Exact => angles[i] + spin[i],
-    })
-}
-
-/// Where the frames go: a terminal, or else a pipe, a file or a device.
-struct Output {
-    /// Standard output without the buffer of `io::stdout`, which would write some frames in two parts.
-    file: File,
-    is_terminal: bool,
-    color: Option<Color>,
-}
-
-impl Output {
-    fn new(color: Option<Color>) -> io::Result<Output> {
-        let stdout = io::stdout();
-        #[cfg(unix)]
-        let file = stdout.as_fd().try_clone_to_owned()?.into();
-        #[cfg(windows)]
-        let file = stdout.as_handle().try_clone_to_owned()?.into();
-        Ok(Output { file, is_terminal: stdout.is_terminal(), color })
-    }
-
-    /// Writes the frame. `clear` says whether to clear the screen first.
-    fn show(&self, renderer: &Renderer, clear: bool) -> io::Result<()> {
-        let mut bytes = Vec::with_capacity(renderer.framebuffer.len() + 100);
-        // A terminal that knows synchronized updates holds the output back until the end of the update, so
-        // that nobody sees half a frame.
-        if self.is_terminal {
-            queue!(bytes, BeginSynchronizedUpdate)?;
-        }
-
-        // donut.c's own codes: to clear the screen, and to move the cursor to its top left corner.
-        bytes.extend_from_slice(if clear { b"\x1b[2J\x1b[H" } else { b"\x1b[H" });
-        if let Some(color) = self.color {
-            queue!(bytes, SetForegroundColor(color))?;
-        }
-
-        for row in renderer.framebuffer.chunks_exact(renderer.view.width) {
-            bytes.push(b'\n'); // In place of column 0.
-            bytes.extend_from_slice(&row[1..]);
-        }
-        bytes.push(b'\n');
-
-        if self.color.is_some() {
-            queue!(bytes, ResetColor)?;
-        }
-        if self.is_terminal {
-            queue!(bytes, EndSynchronizedUpdate)?;
-        }
-        let _lock = io::stdout().lock(); // See the hook in `Terminal::new`.
-        (&self.file).write_all(&bytes)
-    }
 }
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
 // To *enter* the terminal is to set raw mode, in which each key is sent at once and is not echoed, to switch
 // to the alternate screen, a second screen for programs that fill it, and to hide the cursor. To *leave* it
-// is to undo all this. Only the loop enters, draws and leaves, so whatever ends the donut comes between two
-// frames. Other threads wait for keys, new sizes and signals, and send them to the loop, whose sleep ends
-// when one comes. There are three exceptions. A panic leaves the terminal by itself. A signal that comes
-// while the donut is suspended, or has yet to enter, finds nothing to restore, and ends it at once. And if a
-// terminal takes no more output, the loop is stuck, so the thread that received the signal ends the donut.
-
-/// The longest that the loop sleeps, so that it notices when the terminal is gone.
-const LONGEST_SLEEP: Duration = Duration::from_secs(1);
+// is to undo all this. Only the loop enters, draws and leaves, so that nothing is left half done. Other
+// threads wait for keys, new sizes and signals, and send them to the loop, whose sleep ends when one comes.
+// There are three exceptions. A panic leaves the terminal by itself. A signal that comes before the program
+// enters the terminal, or while it is suspended, finds nothing to undo, and ends the program at once. And if
+// the terminal takes no more output, the loop is stuck, so the thread that received the signal steps in.
 
 /// The longest time from an ESC to the rest of an escape code, over a slow line.
 const ESCAPE_CODE_GAP: Duration = Duration::from_millis(50);
-
 /// The number of SIGINT, the signal that Ctrl-C stands for.
 const SIGINT: i32 = 2;
-
-/// What the loop is told: a key, a new size, or the signal that asks it to end.
-type Message = Result<Event, i32>;
 
 struct Terminal {
     /// With --frames, the alternate screen is not used, because the last frame has to stay.
     uses_alternate_screen: bool,
-    messages: Receiver<Message>,
-    /// Whether a signal would find nothing to restore: before the program enters the terminal, and while it
-    /// is suspended.
+    /// What the loop is told: a key, a new size, or the number of a signal that asks it to end.
+    messages: mpsc::Receiver<Result<Event, i32>>,
+    /// Whether a signal ends the program at once: before it enters the terminal, and while it is suspended.
     is_outside: Arc<AtomicBool>,
 }
 
 impl Terminal {
     /// Gets ready to enter the terminal.
-    fn new(options: &Options) -> io::Result<Terminal> {
+    fn new(uses_alternate_screen: bool) -> io::Result<Terminal> {
         if env::var_os("TERM").is_some_and(|term| term == "dumb") {
             return Err(io::Error::other("TERM is dumb, but the picture needs escape codes"));
         }
-        let uses_alternate_screen = options.frames.is_none();
         let is_outside = Arc::new(AtomicBool::new(true));
         let (sender, messages) = mpsc::channel();
 
@@ -1052,29 +1015,25 @@ impl Terminal {
         ctrlc::set_handler(move || ask_to_end(&to_loop, SIGINT)).map_err(io::Error::other)?;
         #[cfg(unix)]
         {
-            let mut signals = Signals::new([SIGCONT, SIGHUP, SIGQUIT, SIGTERM])?;
+            let mut signals = Signals::new([SIGHUP, SIGQUIT, SIGTERM])?;
             for signal in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
                 flag::register_conditional_default(signal, is_outside.clone())?;
             }
             let to_loop = sender.clone();
-            let receive = move |signal| match signal {
-                // While the program was stopped, the shell may have written on the screen.
-                SIGCONT => _ = to_loop.send(Ok(Event::Resize(0, 0))),
-                _ => ask_to_end(&to_loop, signal),
-            };
+            let receive = move |signal| ask_to_end(&to_loop, signal);
             thread::Builder::new().spawn(move || signals.forever().for_each(receive))?;
         }
 
-        // From here on, crossterm notices each new size.
-        event::poll(Duration::ZERO)?;
+        event::poll(Duration::ZERO)?; // From here on, crossterm notices each new size.
         thread::Builder::new().spawn(move || send_events(&sender))?;
         Ok(Terminal { uses_alternate_screen, messages, is_outside })
     }
 
-    /// Waits for the next event, but no longer than this, and returns all that have come. But if a signal has
-    /// come, leaves the terminal, and ends the program by that signal.
+    /// Waits for the next event, but no longer than this, and returns all that have come. If a signal has
+    /// come, leaves the terminal instead, and ends the program by that signal.
     fn events(&self, timeout: Duration) -> Vec<Event> {
-        let first = self.messages.recv_timeout(timeout.min(LONGEST_SLEEP)).into_iter();
+        // At least once a second, the loop checks that the terminal is still there: see `window`.
+        let first = self.messages.recv_timeout(timeout.min(Duration::from_secs(1))).into_iter();
         let all: Result<_, _> = first.chain(self.messages.try_iter()).collect();
         all.unwrap_or_else(|signal| {
             let _ = leave(self.uses_alternate_screen);
@@ -1083,76 +1042,68 @@ impl Terminal {
     }
 
     /// The columns and rows, and the aspect of a cell. A terminal that does not know its size reports 0, and
-    /// is taken for 80x24. An error means that the terminal is gone.
+    /// is taken for 80x24. This fails if the terminal is gone.
     fn window(&self) -> io::Result<(u16, u16, f64)> {
-        // On Windows, crossterm knows no pixels. On Unix, its `size` would guess where a terminal is gone.
-        let (columns, rows, pixels) = if cfg!(windows) {
-            terminal::size().map(|(columns, rows)| (columns, rows, (0, 0)))?
-        } else {
-            terminal::window_size()
-                .map(|size| (size.columns, size.rows, (size.width, size.height)))?
-        };
+        // crossterm's `window_size` opens the terminal anew each time, and on Windows, it knows no pixels.
+        #[cfg(unix)]
+        let (columns, rows, pixels) = termios::tcgetwinsize(io::stdout())
+            .map(|size| (size.ws_col, size.ws_row, (size.ws_xpixel, size.ws_ypixel)))?;
+        #[cfg(windows)]
+        let (columns, rows, pixels) = terminal::size().map(|size| (size.0, size.1, (0, 0)))?;
         let (columns, rows) = if columns > 0 && rows > 0 { (columns, rows) } else { (80, 24) };
         Ok((columns, rows, cell_aspect((columns, rows), pixels)))
     }
 
     fn enter(&self) -> io::Result<()> {
-        // In the background, the settings are the shell's, and this is not the time to save them. When the
-        // program changed them, the system would stop it with the signal TTOU; so it does this now.
+        // In the background, as after `donut &`, the settings are the shell's, and must not be saved. The
+        // system would stop the program when it changes them, which is too late. So the program stops itself.
         #[cfg(unix)]
-        while termios::tcgetpgrp(io::stdout()).is_ok_and(|group| group != getpgrp()) {
-            let _ = kill_current_process_group(Signal::TTOU);
-            thread::sleep(Duration::from_millis(20)); // Some programs cannot be stopped.
+        while termios::tcgetpgrp(io::stdout()).is_ok_and(|group| group != job::getpgrp()) {
+            let _ = job::kill_current_process_group(job::Signal::TTOU);
+            thread::sleep(Duration::from_millis(20)); // Where no shell could resume it, it goes on.
         }
         self.is_outside.store(false, SeqCst);
-        self.set_raw_mode()?;
-        if self.uses_alternate_screen {
-            queue!(io::stdout(), EnterAlternateScreen)?;
-        }
-        execute!(io::stdout(), Hide)
-    }
-
-    fn set_raw_mode(&self) -> io::Result<()> {
-        terminal::enable_raw_mode()?; // The first time, this saves the settings.
+        terminal::enable_raw_mode()?;
         #[cfg(unix)]
         {
+            use termios::{LocalModes, OptionalActions, OutputModes, SpecialCodeIndex};
             let mut settings = termios::tcgetattr(io::stdout())?;
-            settings.make_raw();
             // Ctrl-C and Ctrl-\ send signals, which come through whatever else was typed.
             settings.local_modes |= LocalModes::ISIG;
             // Ctrl-Z arrives as a key: see `suspend`. The value for "no key" differs between systems, so the
-            // key that suspends is set to Ctrl-C, which the system takes for the key that interrupts.
-            settings.special_codes[SpecialCodeIndex::VSUSP] =
-                settings.special_codes[SpecialCodeIndex::VINTR];
+            // key that suspends is set to Ctrl-C; the system looks for the key that interrupts first.
+            let [suspend, interrupt] = [SpecialCodeIndex::VSUSP, SpecialCodeIndex::VINTR];
+            settings.special_codes[suspend] = settings.special_codes[interrupt];
             // `\n` leads to the start of a new line, so that a frame is the same as in a pipe.
             settings.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
             termios::tcsetattr(io::stdout(), OptionalActions::Now, &settings)?;
         }
-        Ok(())
+        if self.uses_alternate_screen {
+            queue!(io::stdout(), terminal::EnterAlternateScreen)?;
+        }
+        execute!(io::stdout(), cursor::Hide)
     }
 
-    /// Suspends the program's whole job until the shell's `fg`. The system ignores this where no shell could
-    /// resume the job.
-    ///
-    /// The job may include a script that runs the program. As soon as the script stops, the shell writes its
-    /// prompt, which would be lost on the alternate screen. So the program has to leave the terminal first.
+    /// Suspends the program's job until the shell's `fg`. The system ignores this where no shell could resume
+    /// it. The job, all that a shell has started with one command, may include a script that runs the
+    /// program. As soon as the script stops, the shell writes its prompt, which would be lost on the
+    /// alternate screen. So the program has to leave the terminal first.
     #[cfg(unix)]
     fn suspend(&self) -> io::Result<()> {
         leave(self.uses_alternate_screen)?;
         self.is_outside.store(true, SeqCst);
-        let _ = kill_current_process_group(Signal::TSTP);
-        self.enter()?;
+        let _ = job::kill_current_process_group(job::Signal::TSTP);
         self.events(Duration::ZERO); // The keys that came with Ctrl-Z are dropped.
-        Ok(())
+        self.enter()
     }
 }
 
-/// The height of a cell divided by its width, from the size of a window in cells, and in pixels: 2 if the
-/// pixels are not known, or cannot be right.
+/// The height of a cell divided by its width, from the size of the window in cells and in pixels: 2 if the
+/// terminal does not tell the pixels, or they cannot be right.
 fn cell_aspect((columns, rows): (u16, u16), (width, height): (u16, u16)) -> f64 {
-    // Some terminals count the window's border in. It is left over when the cells get whole pixels.
+    // In whole pixels, because some terminals count a border in, which is the remainder.
     let aspect = f64::from(height / rows) / f64::from(width / columns);
-    // OpenSSH for Windows says 640x480 of every window.
+    // OpenSSH for Windows says 640x480 of any window.
     if ASPECTS.contains(&aspect) && (width, height) != (640, 480) { aspect } else { 2.0 }
 }
 
@@ -1161,54 +1112,47 @@ fn leave(uses_alternate_screen: bool) -> io::Result<()> {
     if !terminal::is_raw_mode_enabled()? {
         return Ok(());
     }
-    // In the background, the system stops the program here, before it writes on the shell's screen.
     terminal::disable_raw_mode()?;
     let mut stdout = io::stdout();
-    // Ctrl-C discards the output that the terminal has not taken, so the last frame may lack its end.
-    queue!(stdout, EndSynchronizedUpdate, ResetColor, MoveToColumn(0))?;
+    // Ctrl-C discards output that the terminal has not taken yet, so the last frame may lack its end.
+    queue!(stdout, terminal::EndSynchronizedUpdate, style::ResetColor, cursor::MoveToColumn(0))?;
     if uses_alternate_screen {
-        // After a change of size, tmux would copy what is still there into the shell's screen.
-        queue!(stdout, Clear(ClearType::All), LeaveAlternateScreen)?;
+        // After a change of size, tmux would copy what is there into the shell's screen.
+        queue!(stdout, terminal::Clear(terminal::ClearType::All), terminal::LeaveAlternateScreen)?;
     }
-    execute!(stdout, Show)
+    execute!(stdout, cursor::Show)
 }
 
-/// Sends keys and new sizes to the loop. This has a thread of its own, because `event::read` waits for the end
-/// of an escape code that has begun.
-fn send_events(to_loop: &Sender<Message>) -> io::Result<()> {
+/// Sends keys and new sizes to the loop. This takes a thread of its own, because `event::read` waits for the
+/// end of an escape code that has begun.
+fn send_events(to_loop: &mpsc::Sender<Result<Event, i32>>) -> io::Result<()> {
     let code = |event: &Event| event.as_key_press_event().map(|key| key.code);
-    let send = |event| to_loop.send(Ok(event)).map_err(io::Error::other);
     loop {
-        let mut event = event::read()?;
-        if code(&event) == Some(KeyCode::Esc) && event::poll(ESCAPE_CODE_GAP)? {
-            let next = event::read()?;
-            if matches!(code(&next), Some(KeyCode::Char('[' | 'O'))) {
-                // This was not the Esc key, but the code of another one, such as ESC [ A, in pieces. Its
-                // rest looks like keys.
-                while event::poll(ESCAPE_CODE_GAP)? {
-                    event::read()?;
-                }
-                continue;
+        let event = event::read()?;
+        if code(&event) == Some(KeyCode::Esc)
+            && event::poll(ESCAPE_CODE_GAP)?
+            && matches!(code(&event::read()?), Some(KeyCode::Char('[' | 'O')))
+        {
+            // This was not the Esc key, but another one, whose code, ESC [ A for example, came in pieces.
+            while event::poll(ESCAPE_CODE_GAP)? {
+                event::read()?; // The rest of the code, which looks like keys.
             }
-            send(event)?;
-            event = next;
+        } else {
+            to_loop.send(Ok(event)).map_err(io::Error::other)?;
         }
-        send(event)?;
     }
 }
 
-/// Asks the loop to end because of a signal. If the loop has not ended the program in
-/// time, it is stuck in a write, because
+/// Asks the loop to end the program by a signal. If that takes too long, the loop is stuck in a write because
 /// the terminal takes no more output. Then only the settings can be restored, which is not a write.
-fn ask_to_end(to_loop: &Sender<Message>, signal: i32) {
+fn ask_to_end(to_loop: &mpsc::Sender<Result<Event, i32>>, signal: i32) {
     let _ = to_loop.send(Err(signal));
     thread::sleep(Duration::from_secs(3));
     let _ = terminal::disable_raw_mode();
     end_by(signal)
 }
 
-/// Ends the program by this signal, so that a shell, and a loop or script that runs the program, can tell what
-/// ended it.
+/// Ends the program by this signal, so that the shell or script that runs it can tell what ended it.
 fn end_by(signal: i32) -> ! {
     // The first process of a container cannot end itself by a signal: the system ignores it.
     #[cfg(unix)]

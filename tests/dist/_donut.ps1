@@ -30,7 +30,7 @@ Register-ArgumentCompleter -Native -CommandName 'donut' -ScriptBlock {
             [CompletionResult]::new('--color', '--color', [CompletionResultType]::ParameterName, 'Colour: a name, 0 to 255, or ''#rrggbb''')
             [CompletionResult]::new('--width', '--width', [CompletionResultType]::ParameterName, 'Columns [default: all, or 80 in a pipe]')
             [CompletionResult]::new('--height', '--height', [CompletionResultType]::ParameterName, 'Rows [default: all but 2, or 22 in a pipe]')
-            [CompletionResult]::new('--aspect', '--aspect', [CompletionResultType]::ParameterName, 'Height of a cell divided by its width')
+            [CompletionResult]::new('--aspect', '--aspect', [CompletionResultType]::ParameterName, 'Height of a cell divided by its width [default: the terminal''s, or 2]')
             [CompletionResult]::new('--r2', '--r2', [CompletionResultType]::ParameterName, 'Radius of the ring, in tube radii')
             [CompletionResult]::new('--k2', '--k2', [CompletionResultType]::ParameterName, 'Distance to the donut''s centre, in tube radii')
             [CompletionResult]::new('-h', '-h', [CompletionResultType]::ParameterName, 'Print help (see more with ''--help'')')

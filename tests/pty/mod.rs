@@ -184,10 +184,15 @@ impl Pty {
     }
 
     pub fn resize(&self, size: (u16, u16)) {
+        self.resize_window(size, (0, 0));
+    }
+
+    /// Changes the size of the terminal, and that of its window in pixels.
+    pub fn resize_window(&self, size: (u16, u16), (pixel_width, pixel_height): (u16, u16)) {
         let mut seen = self.seen.lock().unwrap();
         let (rows, columns) = rows_and_columns(size);
         seen.terminal.screen_mut().set_size(rows, columns);
-        self.master().resize(pty_size(size)).unwrap();
+        self.master().resize(PtySize { pixel_width, pixel_height, ..pty_size(size) }).unwrap();
     }
 
     /// Closes the terminal, as when its window is closed. `start_reading` would keep it open.

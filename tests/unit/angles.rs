@@ -11,10 +11,9 @@ const SPIN: [f64; 2] = [0.04, 0.02];
 fn exact_still_turns_after_2_to_the_40_frames() {
     for (frames, error) in [(0, 1e-9), (1_000_000, 1e-9), (FROZEN, 1e-9), (1 << 40, 1e-5)] {
         let [a, b] = SPIN.map(|step| frames as f64 * step);
-        let [next_a, next_b] = advance(Method::Exact, [a, b], SPIN);
-        assert!((next_a - a - 0.04).abs() < error && (next_b - b - 0.02).abs() < error);
-
         let view = fitted(100, 30);
+        let [next_a, next_b] = Renderer::new(view, Method::Exact).advance([a, b], SPIN);
+        assert!((next_a - a - 0.04).abs() < error && (next_b - b - 0.02).abs() < error);
         let [picture, next] =
             [(a, b), (next_a, next_b)].map(|(a, b)| draw(Method::Exact, view, a, b));
         assert_ne!(picture, next);
@@ -24,10 +23,10 @@ fn exact_still_turns_after_2_to_the_40_frames() {
 
 #[test]
 fn classic_stands_still_from_the_frozen_frame_on() {
-    let mut angles = [0.0; 2];
+    let (classic, mut angles) = (Renderer::new(View::DONUT_C, Method::Classic), [0.0; 2]);
     let first_still_frame = (0..=FROZEN).find(|_| {
         let before = angles;
-        angles = advance(Method::Classic, angles, SPIN);
+        angles = classic.advance(angles, SPIN);
         angles == before
     });
     assert_eq!(first_still_frame, Some(FROZEN));
@@ -36,16 +35,24 @@ fn classic_stands_still_from_the_frozen_frame_on() {
 
 #[test]
 fn classic_is_the_default_only_for_donut_cs_own_picture() {
-    for (options, method) in [
-        ("", Method::Classic),
-        ("-A 1000 --spin=1000,0", Method::Classic),
-        ("--width 81", Method::Exact),
-        ("--height 23", Method::Exact),
-        ("--aspect 1.9", Method::Exact),
-        ("--k2 6", Method::Exact),
-        ("--r2 2.1", Method::Exact),
+    for (options, is_classic) in [
+        ("", true),
+        ("-A 1000 --spin=1000,0", true),
+        ("--aspect 2", true),
+        ("--width 81", false),
+        ("--height 23", false),
+        ("--aspect 1.9", false),
+        ("--k2 6", false),
+        ("--r2 2.1", false),
     ] {
         let options = Options::parse_from(format!("donut {options}").split_whitespace());
-        assert_eq!(options.renderer(None).method, method);
+        assert_eq!(options.renderer(None).classic.is_some(), is_classic);
     }
+    // An 80x24 terminal gets donut.c's own picture, whatever the shape of its cells.
+    for options in [&["donut"][..], &["donut", "--method=exact"]] {
+        let renderer = Options::parse_from(options).renderer(Some((80, 24, 2.2)));
+        assert!(renderer.view == View::DONUT_C);
+    }
+    let renderer = Options::parse_from(["donut", "--r2=3"]).renderer(Some((80, 24, 2.2)));
+    assert!(renderer.view == View::new(80, 22, 2.2, 3.0, 5.0));
 }

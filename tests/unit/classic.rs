@@ -5,7 +5,7 @@ use super::*;
 /// A renderer that draws as classic does, but with these steps of theta and phi.
 pub fn with_steps(view: View, theta: f64, phi: f64) -> Renderer {
     let mut renderer = Renderer::new(view, Method::Classic);
-    renderer.tables = Some([trig_table(theta), trig_table(phi)]);
+    renderer.classic.as_mut().unwrap().tables = [trig_table(theta), trig_table(phi)];
     renderer
 }
 

@@ -4,6 +4,7 @@
 //! with what the oracle sees.
 
 mod angles;
+mod aspect;
 mod chart;
 mod classic;
 mod dist;
@@ -19,7 +20,7 @@ use super::*;
 use angles::FROZEN;
 use oracle::{Oracle, Verdict, differ, level_of};
 use program::within_a_minute;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fs;
 
 /// The full path of a file of the source tree.

@@ -40,7 +40,7 @@ fn tracing<const N: usize>(
     let mut renderer = Renderer::new(view, Method::Exact);
     let draw = move |a, b| {
         renderer.framebuffer.fill(b' ');
-        renderer.trace(a, b, &first_hits);
+        trace(&view, a, b, &mut renderer.framebuffer, &first_hits);
         renderer.framebuffer.clone()
     };
     (name.into(), Box::new(draw))
@@ -61,7 +61,7 @@ fn methods() -> Vec<NamedMethod> {
     let mut methods = vec![
         own_method("classic x1", Renderer::new(view, Method::Classic)),
         own_method("exact", Renderer::new(view, Method::Exact)),
-        tracing("exact one ray at a time", view, Torus::first_hits::<1>),
+        tracing("exact one ray at a time", view, first_hits::<1>),
         ray_by_ray("closed form f64", view, closed_form),
         ray_by_ray("Newton", view, newton_once),
         ray_by_ray("Ferrari f32", view, move |torus, ray| textbook_f32(torus, view.k2, ray)),

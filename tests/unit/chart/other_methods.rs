@@ -38,7 +38,7 @@ pub fn sphere_tracing(most_steps: usize) -> impl Fn(&Torus, &[Ray; RAYS]) -> [f6
 
 /// The coefficients of `s^4 + p s^2 + q s + r`, which is the program's G multiplied out.
 fn plain_quartic(torus: &Torus, ray: &Ray) -> [f64; 3] {
-    let [p, q, r, _] = torus.quartic(ray);
+    let Quartic { p, q, r, .. } = Quartic::new(torus.r2, ray);
     [2.0 * p, q, p * p + r]
 }
 

@@ -50,7 +50,7 @@ pub fn moving() -> String {
     let mut strip = String::new();
     for n in 0..FRAMES {
         renderer.render_frame(angles[0], angles[1]);
-        angles = advance(Method::Classic, angles, spin);
+        angles = renderer.advance(angles, spin);
         for (row, line) in renderer.framebuffer.chunks(80).enumerate() {
             let line = std::str::from_utf8(line).unwrap().trim_end();
             let glyphs = line.trim_start();
