@@ -1,8 +1,8 @@
 //! donut.c, Andy Sloane's spinning ASCII torus of 2006, in Rust.
 //!
-//! donut.c fills a terminal of 80 columns and 24 rows with a picture of 80 by 22 characters. At this size and
-//! in these proportions, this program draws the same picture, byte for byte. Any other picture has no
-//! original to match, so it is ray-traced, unless an option says otherwise.
+//! donut.c draws a picture of 80 by 22 characters, for a terminal of 80 columns and 24 rows. At this size,
+//! this program draws the same picture, byte for byte, unless an option asks for another. A picture of any
+//! other size has no original to match, so it is ray-traced.
 //!
 //! # How donut.c draws a donut
 //!
@@ -58,10 +58,10 @@
 //! stand for infinitely far away.)
 //!
 //! **Luminance.** The cell shows how bright its sample is. The luminance L is the dot product of the normal
-//! and the vector (0, -1, -1), which points at the light, above and behind the viewer. This vector is sqrt 2
-//! long, so L is at most sqrt 2, and 8 L is less than 12. The integer part of 8 L is an index, from 0 to 11,
-//! into a ramp of twelve characters from dark to bright, `.,-~:;=!*#$@`. Where L is negative, the surface
-//! faces away from the light, and the index is 0.
+//! and the vector (0, -1, -1), which points at the light, far away above and behind the viewer. This vector
+//! is sqrt 2 long, so L is at most sqrt 2, and 8 L is less than 12. The integer part of 8 L is an index, from
+//! 0 to 11, into a ramp of twelve characters from dark to bright, `.,-~:;=!*#$@`. Where L is negative, the
+//! surface faces away from the light, and the index is 0.
 //!
 //! The letters R1, R2, K1, K2, A, B and L are those of the [article] in which Andy Sloane explains donut.c.
 //! But A and B are the angles of donut.c itself: its A is pi/2 minus the article's A, and its B is minus the
@@ -75,18 +75,17 @@
 //!
 //! # This file
 //!
-//! `View` says where the donut appears in the picture, and `Renderer` draws it. Then each method has a
-//! section of its own. After them come the options, and the loop that draws frame after frame. The last
-//! section is the terminal: its screen, its keys and signals, and the shape of its cells.
+//! `View` says where the donut appears in the picture, and `Renderer` draws it. A section on each method
+//! follows, then the options, the loop that draws frame after frame, and last the terminal: its screen, its
+//! keys and signals, and the shape of its cells.
 //!
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
 use std::io::{self, IsTerminal, Write};
 use std::ops::RangeInclusive;
-use std::process::{self, ExitCode};
 use std::sync::{Arc, atomic::AtomicBool, atomic::Ordering::SeqCst, mpsc};
 use std::time::{Duration, Instant};
-use std::{array, env, fs, panic, thread};
+use std::{array, env, fs, panic, process, thread};
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, ValueEnum, ValueHint, value_parser};
@@ -98,10 +97,9 @@ use crossterm::{cursor, execute, queue, terminal};
 use std::os::windows::io::AsHandle;
 #[cfg(unix)]
 use {
-    rustix::{process as job, termios},
+    rustix::{process as job, stdio, termios},
     signal_hook::consts::{SIGHUP, SIGQUIT, SIGTERM},
     signal_hook::{flag, iterator::Signals, low_level},
-    std::os::fd::AsFd,
 };
 
 // ---- View ----------------------------------------------------------------------------------------
@@ -135,9 +133,9 @@ impl View {
     const DONUT_C: View =
         View { r2: 2.0, k2: 5.0, width: 80, height: 22, cx: 40.0, cy: 12.0, k1x: 30.0, k1y: 15.0 };
 
-    /// donut.c's own view if everything is as in donut.c. Otherwise, the donut is in the middle of the
-    /// picture, and as large as it can be without being cut off in any pose. `aspect` is the height of a cell
-    /// divided by its width.
+    /// donut.c's own view if everything is as in donut.c. Otherwise, the donut is in the middle of the cells
+    /// that are drawn, and as large as it can be without being cut off in any pose. `aspect` is the height of
+    /// a cell divided by its width.
     fn new(width: usize, height: usize, aspect: f64, r2: f64, k2: f64) -> View {
         if (width, height, aspect, r2, k2) == (80, 22, 2.0, 2.0, 5.0) {
             return View::DONUT_C;
@@ -252,7 +250,7 @@ impl Renderer {
 struct Classic {
     /// 1/z of the nearest sample so far, in each cell; 0 stands for infinitely far away. Where nothing may be
     /// drawn, it is infinity, which no sample exceeds: in column 0, in row 0, and in the two rows below the
-    /// picture, where some samples land in donut.c's own view.
+    /// picture, into which donut.c's donut reaches in some poses.
     zbuffer: Vec<f32>,
     /// The sines and cosines of the angles in donut.c's loops: those of theta, and those of phi.
     tables: [(Vec<f32>, Vec<f32>); 2],
@@ -323,9 +321,9 @@ impl Classic {
 /// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
 ///
 /// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
-/// gaps. (At A = B = 1.5708, there are a few.) In a larger picture, k1x and k1y are n times donut.c's, and
-/// each step is divided by n, so that the samples stay about a cell apart. If the cells have another shape,
-/// k1x and k1y are different multiples of donut.c's, and n is the larger one.
+/// gaps. (At A = B = 1.5708, there are a few.) In a larger picture of the same donut, k1x and k1y are n times
+/// donut.c's, and each step is divided by n, so that the samples stay about a cell apart. If the cells have
+/// another shape, k1x and k1y are different multiples of donut.c's, and n is the larger one.
 fn angle_steps(view: &View) -> [f64; 2] {
     let n = f64::max(view.k1x / View::DONUT_C.k1x, view.k1y / View::DONUT_C.k1y).max(1.0);
     [0.07 / n, 0.02 / n]
@@ -334,8 +332,8 @@ fn angle_steps(view: &View) -> [f64; 2] {
 /// The sines and cosines of the angles in one of donut.c's loops: from 0 in steps of `step`, once round.
 fn trig_table(step: f64) -> (Vec<f32>, Vec<f32>) {
     let angles = std::iter::successors(Some(0.0), |&angle| Some(add_step(angle, step)));
-    // donut.c stops at 6.28. With its own steps, TAU gives the same angles. With shorter steps, stopping at
-    // 6.28 would leave a gap.
+    // donut.c stops at 6.28. With its own steps, TAU gives the same angles. With much shorter steps, stopping
+    // at 6.28 would leave a gap.
     angles.take_while(|&angle| f64::from(angle) < std::f64::consts::TAU).map(c_sin_cos).unzip()
 }
 
@@ -379,16 +377,14 @@ where
 {
     let &View { r2, k2, width, cx, cy, k1x, k1y, .. } = view;
     let torus = Torus::new(r2, a, b);
-    let outline = outline_radius(r2, k2);
-
     // Nothing is drawn in row 0.
     for (row, cells) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
         // A ray can only hit inside the outline of the bounding sphere, a circle. In this row, the circle
-        // reaches from cx - half_width to cx + half_width. (Above and below it, half_width is 0; so it is in
-        // a picture of one column, where k1x is 0, and dy may even be NaN. Rays through column 0 miss,
-        // because `View` leaves it free.)
+        // reaches from cx - half_width to cx + half_width. (Above and below the circle, half_width is 0, and
+        // the rays miss. In a picture of one column, k1x is 0, dy is infinite or NaN, and half_width is 0, so
+        // that no ray is followed. Rays through column 0 miss, because `View` leaves it free.)
         let dy = (row as f64 + 0.5 - cy) / k1y;
-        let half_width = (outline * outline - dy * dy).max(0.0).sqrt() * k1x;
+        let half_width = (outline_radius(r2, k2).powi(2) - dy * dy).max(0.0).sqrt() * k1x;
         let end = width.min((cx + half_width) as usize + 1);
 
         // The last group of N rays may reach beyond `end`. Those hits are not used.
@@ -421,9 +417,9 @@ struct Torus {
 /// s is 0 at P0, and negative on the viewer's side of it. With n for the axis, and l = (0, -1, -1) for the
 /// vector to the light, three quantities at P matter:
 /// ```text
-/// |P|^2 = d0^2 + s^2         the square of the distance from the centre, which is d0 at P0
+/// |P|^2 = d0^2 + s^2         the distance from the centre, squared; at P0, the distance is d0
 /// f     = P.n = f0 + fu s    the distance from the plane of the ring, negative on one side
-///         P.l = l0 + lu s
+///         P.l = l0 + lu s    which the luminance needs
 /// ```
 #[derive(Clone, Copy, Debug)]
 struct Ray {
@@ -463,15 +459,15 @@ impl Torus {
     }
 
     /// The s where the ray enters the donut's bounding volume: the slice of the bounding sphere between the
-    /// planes f = -1 and f = 1. No hit comes before it. For a ray that misses the volume, any s will do: it
-    /// misses the donut as well, so a search finds nothing.
+    /// planes f = -1 and f = 1. No hit comes before it. For a ray that misses the volume, any finite s will
+    /// do, because there is no hit to find.
     fn entry(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> f64 {
         let sphere_radius = 1.0 + self.r2;
         let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(0.0).sqrt();
-        // If f grows along the ray, the ray enters the slice through the plane f = -1, otherwise through
-        // f = 1. If fu is 0, the ray is parallel to the planes. Inside the slice, `slice_entry` is then
-        // -infinity, and the sphere decides. Outside, the ray misses, and any value will do. On a plane, it
-        // may be NaN, which `max` ignores.
+        // Through the plane f = -1 if f grows along the ray, otherwise through f = 1. If fu is 0, the ray is
+        // parallel to the planes. Then `slice_entry` is -infinity for a ray between them, so that the sphere
+        // decides. For one outside, which misses, any value will do. For one in a plane, it may be NaN, which
+        // `max` ignores.
         let plane = -f64::copysign(1.0, fu);
         let slice_entry = (plane - f0) / fu;
         sphere_entry.max(slice_entry)
@@ -479,9 +475,9 @@ impl Torus {
 
     /// The luminance L where the ray hits: the dot product of the normal and l, the vector to the light.
     ///
-    /// In the plane of the ring, the point below P is P - f n, at the distance h from the centre. The nearest
-    /// point of the ring lies in the same direction, at the distance R2. It is the centre of the tube there,
-    /// and the normal leads from it to P:
+    /// In the plane of the ring, the point nearest to P is P - f n, at the distance h from the centre. The
+    /// nearest point of the ring lies in the same direction, at the distance R2. It is the centre of the tube
+    /// there, and the normal leads from it to P:
     /// ```text
     /// normal = P - (R2 / h) (P - f n) = (1 - R2 / h) (P - f n) + f n
     /// L      = (1 - R2 / h) (P.l - f n.l) + f n.l
@@ -509,7 +505,7 @@ impl Torus {
 ///  -----s1-------s2---------s3-------s4---> s
 ///        '.    .'             '.    .'
 ///          '..'                 '..'
-///             -w               w
+///               -w           w
 /// ```
 ///
 /// The inflections are at -w and w, where the second derivative, 12 s^2 + 4 p, is 0. G is concave between
@@ -524,9 +520,8 @@ struct Quartic {
 
 impl Quartic {
     /// Let h be the distance of P from the axis. The square of its distance from the ring is (h - R2)^2 +
-    /// f^2: 1 on the surface, more outside, and less inside. So G may be (h - R2)^2 + f^2 - 1, times
-    /// something positive. As R2 > 1, the second factor below is positive; and it removes h, which is a
-    /// square root.
+    /// f^2: 1 on the surface, more outside, and less inside. So G can be (h - R2)^2 + f^2 - 1 times anything
+    /// positive. The second factor below is positive, because R2 > 1, and leaves only h^2, a polynomial in s:
     /// ```text
     /// G = ((h - R2)^2 + f^2 - 1) ((h + R2)^2 + f^2 - 1)
     ///   = (h^2 + f^2 + R2^2 - 1)^2 - 4 R2^2 h^2
@@ -539,8 +534,8 @@ impl Quartic {
     /// r = c^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
     /// ```
     ///
-    /// As s is measured from P0, there is no cubic term. So one w serves both inflections, and the
-    /// coefficients stay small however far away the viewer is.
+    /// As s is measured from P0, the coefficients stay small however far away the viewer is; and as there is
+    /// no cubic term, one w serves both inflections.
     fn new(r2: f64, &Ray { d0_squared, f0, fu, .. }: &Ray) -> Quartic {
         let r2_squared = r2 * r2;
         let c = d0_squared + r2_squared - 1.0;
@@ -556,43 +551,46 @@ const MISS: f64 = f64::INFINITY;
 
 /// The s of each ray's first hit, or `MISS`.
 ///
-/// The viewer is outside the donut, so a ray's first hit is where its G first falls to 0. Left of -w, G is
-/// convex and comes down from infinity, so it falls to 0 at most once there, at s1. If there is no s1, G is
-/// not negative at -w; and as it is concave from there to w, and convex after that, it falls to 0 at most
-/// once, at s3. A root at -w itself counts as s3.
+/// All of the donut is in front of the viewer, so a ray's first hit is where its G first falls to 0. Left of
+/// -w, G is convex and comes down from infinity, so it falls to 0 at most once there, at s1. If there is no
+/// s1, G is not negative at -w; and as it is concave from there to w, and convex after that, it falls to 0 at
+/// most once, at s3. (s3 may be at -w itself, and may be the first of only two roots.)
 ///
 /// Each search uses Newton's method, which steps from s to the root of the tangent at s:
 /// ```text
 /// s = entry if entry < -w, otherwise w
-/// until the steps are tiny:                                               step_right
-///     if s < -w, and G rises at s or the step leads to -w or beyond: jump to w
+/// until the steps are tiny:                                                     step_right
+///     if s < -w, and (G rises at s, or the step leads to -w or beyond): jump to w
 ///     otherwise: step right, or stay if the step leads left
 /// if s >= w, and G rises at s: a miss
-/// if s is still w: until the steps are tiny, step left                    step_left
+/// if s is still w: until the steps are tiny, step left                          step_left
 /// s is the hit: s1 if s < -w, otherwise s3
 /// ```
 ///
-/// A slope of 0 counts as rising. If G is 0 there, too, the ray only grazes the donut, and may miss it.
+/// Here, G also rises where its slope is 0. If G is 0, too, the ray touches the donut without entering it.
+/// This is a graze, which may count as a hit or not.
 ///
 /// *No step passes a root.* A convex curve lies above its tangents. So where G is convex and positive, the
 /// tangent falls to 0 before G does, and a step to the right ends before the root or at it, unless it leaves
-/// the convex part. A concave curve lies below its tangents. So where G is concave and negative, a step to
-/// the left ends before the root or at it as well.
+/// the convex part, and the search jumps. A concave curve lies below its tangents. So where G is concave and
+/// negative, a step to the left ends before the root or at it as well.
 ///
 /// *The start at w is safe.* The search is at w only if there is no s1: either it has jumped there, or the
-/// ray enters at -w or later, and no hit comes before the entry. So G is not negative at -w. If G is positive
-/// at w, it is positive between -w and w, too, because a concave curve lies above its chords. So s3, if there
-/// is one, is further right, where G is convex. Otherwise s3 is at w or left of it, and G falls at w: if w >
-/// 0, because G is concave and not higher at w than at -w; and if w = 0, because G is 0 there, and positive
-/// on the left. So no step leads right: the search is still at w, and steps left.
+/// ray enters at -w or later, and no hit comes before the entry. So G is positive at -w, or it is 0 and falls
+/// there, and then it is negative from there to w, because it is concave. If G is positive at w, it is
+/// therefore positive from -w on, because a concave curve lies above its chords. So s3, if there is one, is
+/// further right, where G is convex. Otherwise s3 is at w or left of it, and G falls at w: if w > 0, because
+/// G is concave, and not higher at w than at -w; and if w = 0, because G is positive on the left and 0 at w
+/// (or this is a graze). So no step leads right: the search is still at w, and steps left.
 ///
-/// *A jump skips no s1, and a miss no s3.* The steps to the right start where G is positive, or falls, and
-/// pass no root. So if G rises at s, it is positive there, and goes on rising as long as it is convex: up to
-/// -w, or for ever. And if a step from the left of -w leads to -w or beyond, the tangent is positive before
-/// -w, and G lies above it.
+/// *A jump skips no s1, and a miss no s3.* A search goes right from an entry, where G is not negative, or
+/// from w, where G is positive, and passes no root. So if G rises at s, it is positive there, and goes on
+/// rising as long as it is convex: up to -w, or for ever. And if a step from the left of -w leads to -w or
+/// beyond, the tangent is positive before -w, and G lies above it.
 ///
-/// *Every search ends.* Each jumps at most once. Steps to the right cannot go on for ever, because far to the
-/// right G is positive and rises, so that a step would lead left. Steps to the left end at -w at the latest.
+/// *Every search ends.* Each jumps at most once, and goes on only after steps longer than TOLERANCE. To the
+/// right, these end because far out G is positive and rises, so that a step would lead left; to the left,
+/// they end at -w.
 fn first_hits<const N: usize>(torus: &Torus, rays: &[Ray; N]) -> [f64; N] {
     // Each coefficient has an array of its own, so that one instruction loads it for several rays.
     let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
@@ -602,10 +600,9 @@ fn first_hits<const N: usize>(torus: &Torus, rays: &[Ray; N]) -> [f64; N] {
         s[i] = if entry < -w[i] { entry } else { w[i] };
     }
     let quartic = |i: usize| Quartic { p: p[i], q: q[i], r: r[i], w: w[i] };
-
     s = repeat(s, |i, s| quartic(i).step_right(s));
-    // A search is at w, exactly, only if it was put there and has found no step to the right. Most of the
-    // time, none is.
+
+    // A search is exactly at w only if it was put there and found no step to the right. Mostly, none is.
     let mut is_any_at_w = false;
     for i in 0..N {
         let (_, slope) = quartic(i).tangent(s[i]);
@@ -634,10 +631,9 @@ fn repeat<const N: usize>(mut s: [f64; N], step: impl Fn(usize, f64) -> (f64, bo
 }
 
 /// The N searches go on together until none of them takes a step longer than this, in units of R1. Newton's
-/// method converges so fast that little more than rounding error is left then. Only where a ray grazes the
-/// donut may the true hit be more than this away; but there the ray runs along the surface, where the
-/// luminance hardly changes. Whether a ray within rounding error of a graze hits or misses may depend on how
-/// many steps the others need.
+/// method converges so fast that little more than rounding error is left then. Only at a graze may the true
+/// hit be further away, but still so near that the luminance is hardly different. Whether a ray within
+/// rounding error of a graze hits there may depend on how many steps the others need.
 const TOLERANCE: f64 = 1e-8;
 
 // For one ray. There are no branches here, so that the compiler can vectorise the loops that call these
@@ -645,7 +641,7 @@ const TOLERANCE: f64 = 1e-8;
 impl Quartic {
     /// The root of the tangent at s, which is where Newton's method steps, and the slope of G at s. If the
     /// slope is 0, the root is infinite or NaN; a search to the right then jumps or ends as a miss, and one
-    /// to the left has come to -w.
+    /// to the left is at a triple root at -w.
     fn tangent(&self, s: f64) -> (f64, f64) {
         let &Quartic { p, q, r, .. } = self;
         let base = s * s + p;
@@ -685,7 +681,8 @@ impl Quartic {
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`. A negative number is
-// a value, even where it is refused, and completions must not offer file names as values.
+// a value, even where it is refused. (For clap, -1e-3 and -1,2 are no numbers, so the angles need more than
+// this.) Completions must not offer file names as values.
 #[command(args_override_self = true)]
 #[command(mut_args(|option| option.allow_negative_numbers(true).value_hint(ValueHint::Other)))]
 struct Options {
@@ -809,10 +806,9 @@ fn within(range: RangeInclusive<f64>) -> impl Fn(&str) -> Result<f64, String> + 
 }
 
 fn parse_angles(text: &str) -> Result<[f64; 2], String> {
-    let parse_angle = within(ANGLES);
     let expected = "expected two angles with a comma between them, such as 0.04,0.02";
     let (a, b) = text.split_once(',').ok_or(expected)?;
-    Ok([parse_angle(a.trim())?, parse_angle(b.trim())?])
+    Ok([within(ANGLES)(a.trim())?, within(ANGLES)(b.trim())?])
 }
 
 fn parse_color(text: &str) -> Result<Color, String> {
@@ -838,12 +834,13 @@ impl Options {
         let least = (1.001e6 * (1.0 + r2)).ceil() / 1e6;
         if !(least..=1e6).contains(&k2) {
             let rule = "1.001 times the sum of 1 and --r2";
-            return Some(format!("--k2 is {k2}, but must be from {least} ({rule}) to 1000000"));
+            Some(format!("--k2 is {k2}, but must be from {least} ({rule}) to 1000000"))
+        } else if method == Some(Method::Classic) && (r2, k2) != (2.0, 5.0) {
+            // With other lengths, the steps of `classic` may be too long: see `angle_steps`.
+            Some(format!("--method classic needs --r2 2 and --k2 5, but these are {r2} and {k2}"))
+        } else {
+            None
         }
-        // With other lengths, the steps of `classic` may be too long: see `angle_steps`.
-        let is_refused = method == Some(Method::Classic) && (r2, k2) != (2.0, 5.0);
-        let rule = "--method classic needs --r2 2 and --k2 5, but these are";
-        is_refused.then(|| format!("{rule} {r2} and {k2}"))
     }
 
     /// A renderer for a picture of the size that the options ask for. `window` is the terminal's columns and
@@ -852,10 +849,10 @@ impl Options {
         let (columns, rows, cell_aspect) = window.unwrap_or((80, 24, 2.0));
         // One row stays free above the picture, and one below it.
         let rows = rows.saturating_sub(2).max(1);
+        let (most_columns, most_rows) = window.map_or((MAX_SIZE, MAX_SIZE), |_| (columns, rows));
         // A terminal may be larger than the largest picture.
-        let most = |all: u16| if window.is_some() { all.min(MAX_SIZE) } else { MAX_SIZE };
-        let width = self.width.unwrap_or(columns).min(most(columns)).into();
-        let height = self.height.unwrap_or(rows).min(most(rows)).into();
+        let width = self.width.unwrap_or(columns).min(most_columns).min(MAX_SIZE).into();
+        let height = self.height.unwrap_or(rows).min(most_rows).min(MAX_SIZE).into();
         // donut.c's own picture is the same in every font.
         let is_donut_cs = (width, height, self.r2, self.k2) == (80, 22, 2.0, 5.0);
         let aspect = self.aspect.unwrap_or(if is_donut_cs { 2.0 } else { cell_aspect });
@@ -867,7 +864,7 @@ impl Options {
 
 // ---- main and the loop ---------------------------------------------------------------------------
 
-fn main() -> ExitCode {
+fn main() -> process::ExitCode {
     let options = Options::parse();
     if let Some(conflict) = options.conflict() {
         Options::command().error(ErrorKind::ValueValidation, conflict).exit()
@@ -876,9 +873,9 @@ fn main() -> ExitCode {
         // A reader that goes away, as in `donut | head`, has seen enough.
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             let _ = writeln!(io::stderr(), "donut: {error}");
-            ExitCode::FAILURE
+            process::ExitCode::FAILURE
         }
-        _ => ExitCode::SUCCESS,
+        _ => process::ExitCode::SUCCESS,
     }
 }
 
@@ -890,18 +887,21 @@ fn run(options: &Options) -> io::Result<()> {
     }
     let terminal = Terminal::new(options.frames.is_none())?;
     let played = terminal.enter().and_then(|()| play(options, Some(&terminal)));
-    played.and(leave(terminal.uses_alternate_screen))
+    let left = leave(terminal.uses_alternate_screen);
+    while terminal.is_ending.load(SeqCst) {
+        terminal.events(Duration::MAX); // Waits for the signal that has come in the meantime.
+    }
+    played.and(left)
 }
 
 /// donut.c's `for (;;)`. Each iteration sleeps until the next frame is due, and then draws it. On a terminal,
-/// a key, a new size or a signal ends the sleep, and the last frame may have to be drawn again.
+/// a key, a new size or a signal ends the sleep, and the current frame may have to be drawn again.
 fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
     // Standard output without the buffer of `io::stdout`, which would write some frames in two parts.
     #[cfg(unix)]
-    let stdout = io::stdout().as_fd().try_clone_to_owned()?;
+    let mut stdout = fs::File::from(stdio::stdout().try_clone_to_owned()?);
     #[cfg(windows)]
-    let stdout = io::stdout().as_handle().try_clone_to_owned()?;
-    let mut stdout = fs::File::from(stdout);
+    let mut stdout = fs::File::from(io::stdout().as_handle().try_clone_to_owned()?);
     let mut window = terminal.map(Terminal::window).transpose()?;
     let mut renderer = options.renderer(window);
     let mut clear = true; // donut.c, too, begins by clearing the screen.
@@ -923,7 +923,7 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
                 match (key.modifiers - KeyModifiers::SHIFT, key.code) {
                     // On Unix, Ctrl-C sends a signal, and is a key only where `stty` has changed that.
                     (KeyModifiers::NONE, KeyCode::Char('q' | 'Q') | KeyCode::Esc)
-                    | (KeyModifiers::CONTROL, KeyCode::Char('c')) => return Ok(()),
+                    | (KeyModifiers::CONTROL, KeyCode::Char('c' | 'C')) => return Ok(()),
                     (KeyModifiers::NONE, KeyCode::Char('p' | 'P')) => is_paused = !is_paused,
                     (KeyModifiers::NONE, KeyCode::Char(' ')) => is_shaded = !is_shaded,
                     #[cfg(unix)]
@@ -961,7 +961,6 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
             }
             let bytes = renderer.encode(options.color, terminal.is_some(), clear)?;
             clear = false;
-            let _lock = io::stdout().lock(); // See the hook in `Terminal::new`.
             stdout.write_all(&bytes)?;
         }
     }
@@ -972,11 +971,12 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
 
 // To *enter* the terminal is to set raw mode, in which each key is sent at once and is not echoed, to switch
 // to the alternate screen, a second screen for programs that fill it, and to hide the cursor. To *leave* it
-// is to undo all this. Only the loop enters, draws and leaves, so that nothing is left half done. Other
-// threads wait for keys, new sizes and signals, and send them to the loop, whose sleep ends when one comes.
-// There are three exceptions. A panic leaves the terminal by itself. A signal that comes before the program
-// enters the terminal, or while it is suspended, finds nothing to undo, and ends the program at once. And if
-// the terminal takes no more output, the loop is stuck, so the thread that received the signal steps in.
+// is to undo all this. Only the main thread enters, draws and leaves, so that nothing is left half done.
+// Other threads wait for keys, new sizes and signals, and send them to the loop, whose sleep ends when one
+// comes. Three cases bypass the loop. A panic leaves the terminal by itself. On Unix, a signal that comes
+// before the program enters the terminal, or while it is suspended, finds nothing to undo, and ends the
+// program at once. And if the terminal takes no more output, the loop is stuck, so the thread that received
+// the signal steps in.
 
 /// The longest time from an ESC to the rest of an escape code, over a slow line.
 const ESCAPE_CODE_GAP: Duration = Duration::from_millis(50);
@@ -988,23 +988,22 @@ struct Terminal {
     uses_alternate_screen: bool,
     /// What the loop is told: a key, a new size, or the number of a signal that asks it to end.
     messages: mpsc::Receiver<Result<Event, i32>>,
+    /// Whether a signal has come. Its handler sets this, a moment before its number is sent.
+    is_ending: Arc<AtomicBool>,
     /// Whether a signal ends the program at once: before it enters the terminal, and while it is suspended.
     is_outside: Arc<AtomicBool>,
 }
 
 impl Terminal {
-    /// Gets ready to enter the terminal.
     fn new(uses_alternate_screen: bool) -> io::Result<Terminal> {
         if env::var_os("TERM").is_some_and(|term| term == "dumb") {
             return Err(io::Error::other("TERM is dumb, but the picture needs escape codes"));
         }
-        let is_outside = Arc::new(AtomicBool::new(true));
+        let [is_ending, is_outside] = [false, true].map(|flag| Arc::new(AtomicBool::new(flag)));
         let (sender, messages) = mpsc::channel();
 
         let previous_hook = panic::take_hook();
         panic::set_hook(Box::new(move |info| {
-            // While this thread has the lock, the loop cannot draw over the message.
-            let _lock = io::stdout().lock();
             let _ = leave(uses_alternate_screen);
             previous_hook(info);
             process::exit(101) // By itself, a panic ends the program only in the main thread.
@@ -1016,17 +1015,19 @@ impl Terminal {
         #[cfg(unix)]
         {
             let mut signals = Signals::new([SIGHUP, SIGQUIT, SIGTERM])?;
-            for signal in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
-                flag::register_conditional_default(signal, is_outside.clone())?;
-            }
             let to_loop = sender.clone();
             let receive = move |signal| ask_to_end(&to_loop, signal);
             thread::Builder::new().spawn(move || signals.forever().for_each(receive))?;
         }
-
-        event::poll(Duration::ZERO)?; // From here on, crossterm notices each new size.
         thread::Builder::new().spawn(move || send_events(&sender))?;
-        Ok(Terminal { uses_alternate_screen, messages, is_outside })
+        // Last, because while a thread is started, another one handles the signals. It might then end the
+        // program when the main thread has just entered the terminal.
+        #[cfg(unix)]
+        for signal in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
+            flag::register_conditional_default(signal, is_outside.clone())?;
+            flag::register(signal, is_ending.clone())?;
+        }
+        Ok(Terminal { uses_alternate_screen, messages, is_ending, is_outside })
     }
 
     /// Waits for the next event, but no longer than this, and returns all that have come. If a signal has
@@ -1034,8 +1035,7 @@ impl Terminal {
     fn events(&self, timeout: Duration) -> Vec<Event> {
         // At least once a second, the loop checks that the terminal is still there: see `window`.
         let first = self.messages.recv_timeout(timeout.min(Duration::from_secs(1))).into_iter();
-        let all: Result<_, _> = first.chain(self.messages.try_iter()).collect();
-        all.unwrap_or_else(|signal| {
+        first.chain(self.messages.try_iter()).collect::<Result<_, _>>().unwrap_or_else(|signal| {
             let _ = leave(self.uses_alternate_screen);
             end_by(signal)
         })
@@ -1044,9 +1044,9 @@ impl Terminal {
     /// The columns and rows, and the aspect of a cell. A terminal that does not know its size reports 0, and
     /// is taken for 80x24. This fails if the terminal is gone.
     fn window(&self) -> io::Result<(u16, u16, f64)> {
-        // crossterm's `window_size` opens the terminal anew each time, and on Windows, it knows no pixels.
+        // crossterm's `window_size` opens the terminal each time, and on Windows, it always fails.
         #[cfg(unix)]
-        let (columns, rows, pixels) = termios::tcgetwinsize(io::stdout())
+        let (columns, rows, pixels) = termios::tcgetwinsize(stdio::stdout())
             .map(|size| (size.ws_col, size.ws_row, (size.ws_xpixel, size.ws_ypixel)))?;
         #[cfg(windows)]
         let (columns, rows, pixels) = terminal::size().map(|size| (size.0, size.1, (0, 0)))?;
@@ -1058,25 +1058,25 @@ impl Terminal {
         // In the background, as after `donut &`, the settings are the shell's, and must not be saved. The
         // system would stop the program when it changes them, which is too late. So the program stops itself.
         #[cfg(unix)]
-        while termios::tcgetpgrp(io::stdout()).is_ok_and(|group| group != job::getpgrp()) {
+        while termios::tcgetpgrp(stdio::stdout()).is_ok_and(|group| group != job::getpgrp()) {
             let _ = job::kill_current_process_group(job::Signal::TTOU);
-            thread::sleep(Duration::from_millis(20)); // Where no shell could resume it, it goes on.
+            thread::sleep(Duration::from_millis(100)); // Where no shell could resume it, it waits here.
         }
         self.is_outside.store(false, SeqCst);
         terminal::enable_raw_mode()?;
         #[cfg(unix)]
         {
-            use termios::{LocalModes, OptionalActions, OutputModes, SpecialCodeIndex};
-            let mut settings = termios::tcgetattr(io::stdout())?;
-            // Ctrl-C and Ctrl-\ send signals, which come through whatever else was typed.
+            use termios::{LocalModes, OptionalActions, OutputModes, SpecialCodeIndex as Key};
+            let tty = if io::stdin().is_terminal() { stdio::stdin() } else { stdio::stdout() };
+            let mut settings = termios::tcgetattr(tty)?;
+            // Ctrl-C and Ctrl-\ send signals, which arrive even after half an escape code.
             settings.local_modes |= LocalModes::ISIG;
             // Ctrl-Z arrives as a key: see `suspend`. The value for "no key" differs between systems, so the
             // key that suspends is set to Ctrl-C; the system looks for the key that interrupts first.
-            let [suspend, interrupt] = [SpecialCodeIndex::VSUSP, SpecialCodeIndex::VINTR];
-            settings.special_codes[suspend] = settings.special_codes[interrupt];
+            settings.special_codes[Key::VSUSP] = settings.special_codes[Key::VINTR];
             // `\n` leads to the start of a new line, so that a frame is the same as in a pipe.
             settings.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
-            termios::tcsetattr(io::stdout(), OptionalActions::Now, &settings)?;
+            termios::tcsetattr(tty, OptionalActions::Now, &settings)?;
         }
         if self.uses_alternate_screen {
             queue!(io::stdout(), terminal::EnterAlternateScreen)?;
@@ -1084,15 +1084,16 @@ impl Terminal {
         execute!(io::stdout(), cursor::Hide)
     }
 
-    /// Suspends the program's job until the shell's `fg`. The system ignores this where no shell could resume
-    /// it. The job, all that a shell has started with one command, may include a script that runs the
-    /// program. As soon as the script stops, the shell writes its prompt, which would be lost on the
-    /// alternate screen. So the program has to leave the terminal first.
+    /// Suspends the program's job, scripts that run the program included, until the shell's `fg`. When a
+    /// script stops, the shell writes its prompt, which would be lost on the alternate screen. So the program
+    /// leaves the terminal first. The system ignores this where no shell could resume the job.
     #[cfg(unix)]
     fn suspend(&self) -> io::Result<()> {
         leave(self.uses_alternate_screen)?;
         self.is_outside.store(true, SeqCst);
+        self.events(Duration::ZERO); // A signal that has come in the meantime ends the program.
         let _ = job::kill_current_process_group(job::Signal::TSTP);
+        thread::sleep(Duration::from_millis(100)); // A signal that comes with the end of the stop goes first.
         self.events(Duration::ZERO); // The keys that came with Ctrl-Z are dropped.
         self.enter()
     }
@@ -1101,7 +1102,7 @@ impl Terminal {
 /// The height of a cell divided by its width, from the size of the window in cells and in pixels: 2 if the
 /// terminal does not tell the pixels, or they cannot be right.
 fn cell_aspect((columns, rows): (u16, u16), (width, height): (u16, u16)) -> f64 {
-    // In whole pixels, because some terminals count a border in, which is the remainder.
+    // In whole pixels, because some terminals count a border in. (0 / 0 is NaN, which is in no range.)
     let aspect = f64::from(height / rows) / f64::from(width / columns);
     // OpenSSH for Windows says 640x480 of any window.
     if ASPECTS.contains(&aspect) && (width, height) != (640, 480) { aspect } else { 2.0 }
@@ -1112,7 +1113,6 @@ fn leave(uses_alternate_screen: bool) -> io::Result<()> {
     if !terminal::is_raw_mode_enabled()? {
         return Ok(());
     }
-    terminal::disable_raw_mode()?;
     let mut stdout = io::stdout();
     // Ctrl-C discards output that the terminal has not taken yet, so the last frame may lack its end.
     queue!(stdout, terminal::EndSynchronizedUpdate, style::ResetColor, cursor::MoveToColumn(0))?;
@@ -1120,11 +1120,12 @@ fn leave(uses_alternate_screen: bool) -> io::Result<()> {
         // After a change of size, tmux would copy what is there into the shell's screen.
         queue!(stdout, terminal::Clear(terminal::ClearType::All), terminal::LeaveAlternateScreen)?;
     }
-    execute!(stdout, cursor::Show)
+    let left = execute!(stdout, cursor::Show);
+    terminal::disable_raw_mode().and(left)
 }
 
-/// Sends keys and new sizes to the loop. This takes a thread of its own, because `event::read` waits for the
-/// end of an escape code that has begun.
+/// Sends keys and new sizes to the loop, until the terminal is gone. This takes a thread of its own, because
+/// even `event::poll` waits for the end of an escape code that has begun.
 fn send_events(to_loop: &mpsc::Sender<Result<Event, i32>>) -> io::Result<()> {
     let code = |event: &Event| event.as_key_press_event().map(|key| key.code);
     loop {
@@ -1134,6 +1135,7 @@ fn send_events(to_loop: &mpsc::Sender<Result<Event, i32>>) -> io::Result<()> {
             && matches!(code(&event::read()?), Some(KeyCode::Char('[' | 'O')))
         {
             // This was not the Esc key, but another one, whose code, ESC [ A for example, came in pieces.
+            // (After the Esc key, no other matters.)
             while event::poll(ESCAPE_CODE_GAP)? {
                 event::read()?; // The rest of the code, which looks like keys.
             }
@@ -1143,8 +1145,8 @@ fn send_events(to_loop: &mpsc::Sender<Result<Event, i32>>) -> io::Result<()> {
     }
 }
 
-/// Asks the loop to end the program by a signal. If that takes too long, the loop is stuck in a write because
-/// the terminal takes no more output. Then only the settings can be restored, which is not a write.
+/// Asks the loop to end the program by a signal. If it takes too long, it is probably stuck in a write,
+/// because the terminal takes no more output. Then only the settings are restored, which is not a write.
 fn ask_to_end(to_loop: &mpsc::Sender<Result<Event, i32>>, signal: i32) {
     let _ = to_loop.send(Err(signal));
     thread::sleep(Duration::from_secs(3));

@@ -325,7 +325,7 @@ fn p_pauses_and_resumes() {
         is_flat && pty.written().ends_with(END_UPDATE)
     });
     let paused = frame_count(&pty);
-    sleep(Duration::from_millis(300));
+    sleep(Duration::from_millis(1500)); // Once a second, the loop wakes up.
     assert_eq!(frame_count(&pty), paused);
     pty.resize((100, 30));
     pty.wait_for("the paused picture at the new size", |pty| frame_count(pty) > paused);
@@ -642,6 +642,8 @@ fn step(pty: &Pty, step: &str) {
             pty.wait_for("the stop", Pty::is_stopped);
         }
         "kill" => type_line(pty, "kill %1"),
+        // bash resumes a stopped job that it kills, but not for SIGINT.
+        "kill-INT" => type_line(pty, "kill -INT %1; bg"),
         "prompt" => {
             type_line(pty, "echo $((6 * 7))");
             pty.wait_for("the shell", |pty| pty.lines().contains(&"42".to_string()));
@@ -750,6 +752,8 @@ fn donut_is_well_behaved_without_job_control() {
         - | exec STILL | picture Esc[ ^C restored=130
         - | exec STILL | picture Esc[?2026;2$y ^C restored=130
         - | exec STILL | picture Esc[?997;1n ^C restored=130
+        - | exec STILL | picture Esc[ resize ^C restored=130
+        - | stty intr ^X; exec STILL | picture ^C exit=0
 
         # An arrow key, Alt and a key, and the Esc key, once and held down.
         - | exec STILL | picture Esc[A resize frames Esc[Aq restored=0
@@ -791,6 +795,9 @@ fn jobs_give_the_terminal_back_and_take_it_again() {
         # stopped job has changed them, dash leaves them so, and the donut has to remember the old ones.
         dash | sh -c 'STILL; exit 5' | picture ^Z stopped shell settings fg picture q code=5 settings
 
+        # What the shell has written on the picture goes.
+        bash | STILL --frames=1000000 | picture ^Z stopped shell says=Stopped fg picture q code=0
+
         # Ctrl-Z stops the donut once, whatever is typed with it.
         bash | STILL | picture ^Z^Z stopped shell fg frames picture
         bash | STILL | picture ^Zq stopped shell fg frames picture
@@ -800,6 +807,7 @@ fn jobs_give_the_terminal_back_and_take_it_again() {
         bash | STILL & | stopped says=Stopped shell fg picture q code=0
         bash | STILL & | stopped says=Stopped shell kill end says=Terminated shell
         bash | STILL   | picture ^Z stopped kill end says=Terminated shell
+        bash | STILL   | picture ^Z stopped says=Stopped kill-INT end says=Interrupt shell
         bash | STILL   | picture ^Z stopped shell bg says=Stopped shell fg picture q code=0
         bash | STILL   | picture ^Z stopped shell bg kill end says=Terminated shell
 
@@ -844,11 +852,16 @@ fn a_signal_that_comes_with_a_ctrl_z_ends_the_donut() {
 
 #[test]
 fn donut_takes_little_processor_time() {
-    // While it spins, and while it is paused.
-    let cases = [("DONUT < /dev/null; true", &b""[..]), ("DONUT; true", b"p")];
+    // While it spins, while it is paused, and where it does not draw on the terminal.
+    let cases = [
+        ("DONUT < /dev/null; true", &b""[..]),
+        ("DONUT; true", b"p"),
+        ("DONUT > /dev/null; true", b""),
+    ];
     side_by_side(&cases, |&(line, keys)| {
         let pty = run_in_sh(line);
-        wait_for_first_frame(&pty);
+        pty.wait_for("the start", |pty| pty.job().is_some());
+        sleep(Duration::from_millis(100));
         pty.type_bytes(keys);
         sleep(Duration::from_millis(500));
         let ticks = pty.job().expect("a job").ticks;

@@ -149,7 +149,7 @@ fn a_donut_seen_edge_on_or_nearly_so_has_no_wrong_cell() {
 /// No angle A in f64 gives exactly this axis, which is upright in the picture. Here f0, fu and q are exactly
 /// 0, and the two valleys of G are equal.
 #[test]
-fn a_ray_in_the_plane_of_the_ring_hits_the_outer_equator() {
+fn a_ray_in_the_plane_of_the_ring_hits_the_outer_equator_or_misses() {
     for dx in [0.0_f64, 0.3] {
         let edge_on = Torus { r2: 2.0, axis: [0.0, -1.0, 0.0] };
         // The outer equator has the radius 3, and the normal (X, 0, Z) / 3. So 8 L is -8 Z / 3.
@@ -162,6 +162,9 @@ fn a_ray_in_the_plane_of_the_ring_hits_the_outer_equator() {
         });
         assert!((seen - 8.0 * -z / 3.0).abs() < 1e-9, "{seen} {z}");
     }
+    // This one misses even the bounding sphere, and never leaves the slice of it.
+    let edge_on = Torus { r2: 2.0, axis: [0.0, -1.0, 0.0] };
+    assert_eq!(first_hits(&edge_on, &[edge_on.ray(0.76, 0.0, 5.0)]), [MISS]);
 }
 
 #[test]
