@@ -78,7 +78,14 @@ fn samples_on_the_edge_leave_row_0_and_column_0_blank() {
 /// A frame of donut.c, translated expression by expression, with donut.c's names. As there, the sines and
 /// cosines are inside the loops. The compiler may take those out that do not change in a loop, as a compiler
 /// of C may.
-pub fn donut_c(a: f32, b: f32, view: &View, zbuffer: &mut [f32], framebuffer: &mut [u8]) {
+pub fn donut_c(
+    a: f32,
+    b: f32,
+    view: &View,
+    [theta_step, phi_step]: [f64; 2],
+    zbuffer: &mut [f32],
+    framebuffer: &mut [u8],
+) {
     let sin = |angle: f32| f64::from(angle).sin() as f32;
     let cos = |angle: f32| f64::from(angle).cos() as f32;
     let [cx, cy, k1x, k1y] = [view.cx, view.cy, view.k1x, view.k1y].map(|k| k as f32);
@@ -101,9 +108,9 @@ pub fn donut_c(a: f32, b: f32, view: &View, zbuffer: &mut [f32], framebuffer: &m
                 zbuffer[o] = ooz;
                 framebuffer[o] = glyph(luminance.into());
             }
-            i = add_step(i, 0.02);
+            i = add_step(i, phi_step);
         }
-        j = add_step(j, 0.07);
+        j = add_step(j, theta_step);
     }
 }
 
@@ -120,7 +127,7 @@ fn classic_draws_the_same_as_a_literal_translation_of_donut_c() {
         let (mut zbuffer, mut cells) = (vec![0.0; width * height], vec![b' '; width * height]);
         for &(a, b) in &poses {
             cells.fill(b' ');
-            donut_c(a as f32, b as f32, &view, &mut zbuffer, &mut cells);
+            donut_c(a as f32, b as f32, &view, [0.07, 0.02], &mut zbuffer, &mut cells);
             renderer.render_frame(a, b);
             assert!(renderer.framebuffer == cells, "A {a}, B {b}, {width}x{height}");
         }

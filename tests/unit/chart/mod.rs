@@ -55,9 +55,15 @@ fn ray_by_ray(
     tracing(name, view, move |torus, [ray]| [hit(torus, ray)])
 }
 
-/// The methods to measure, in donut.c's own view.
-fn methods() -> Vec<NamedMethod> {
-    let view = View::DONUT_C;
+/// The pictures in which speed and accuracy are measured: donut.c's own, and a full screen. For each, its
+/// name, its view, and the number of poses in which wrong cells are counted.
+fn sizes() -> [(&'static str, View, usize); 2] {
+    [("80x22", View::DONUT_C, 50), ("200x60", fitted(200, 60), 10)]
+}
+
+/// The methods to measure in a view.
+fn methods(view: View) -> Vec<NamedMethod> {
+    let steps = angle_steps(&view);
     let mut methods = vec![
         own_method("classic x1", Renderer::new(view, Method::Classic)),
         own_method("exact", Renderer::new(view, Method::Exact)),
@@ -68,7 +74,7 @@ fn methods() -> Vec<NamedMethod> {
         ray_by_ray("Ferrari f64", view, move |torus, ray| textbook_f64(torus, view.k2, ray)),
     ];
     for (name, factor) in [("x4", 4.0), ("x2", 2.0), ("x1/2", 0.5), ("x1/4", 0.25)] {
-        let renderer = with_steps(view, 0.07 * factor, 0.02 * factor);
+        let renderer = with_steps(view, steps[0] * factor, steps[1] * factor);
         methods.push(own_method(&format!("classic {name}"), renderer));
     }
     for most_steps in [8, 16, 32, 64, 256] {
@@ -78,21 +84,25 @@ fn methods() -> Vec<NamedMethod> {
     let mut zbuffer = vec![0.0; view.width * view.height];
     let literal = move |a, b| {
         let mut cells = vec![b' '; view.width * view.height];
-        donut_c(a as f32, b as f32, &view, &mut zbuffer, &mut cells);
+        donut_c(a as f32, b as f32, &view, steps, &mut zbuffer, &mut cells);
         cells
     };
     methods.push(("donut.c as written".into(), Box::new(literal)));
+    if steps != [0.07, 0.02] {
+        methods.push(own_method("donut.c's steps", with_steps(view, 0.07, 0.02)));
+    }
     methods
 }
 
-/// A scene in which the study compares methods: its name, its view, and ten poses.
+/// A scene in which the study compares methods: its name, its view, and its poses.
 type NamedScene = (&'static str, View, Vec<(f64, f64)>);
 
-fn scenes() -> [NamedScene; 7] {
+fn scenes() -> [NamedScene; 8] {
     let scene = |r2, k2| View::new(160, 44, 2.0, r2, k2);
     let poses = donut_c_poses(10);
     let edge_on = poses.iter().map(|&(_, b)| (TAU / 4.0 + 1e-4, b)).collect();
     [
+        ("80x22", View::DONUT_C, donut_c_poses(50)),
         ("160x44", scene(2.0, 5.0), poses.clone()),
         ("320x88", fitted(320, 88), poses.clone()),
         ("edge-on", scene(2.0, 5.0), edge_on),
@@ -132,11 +142,15 @@ fn count(mut methods: Vec<NamedMethod>, view: &View, poses: &[(f64, f64)]) -> Ve
     })
 }
 
-/// The name of each method, and the last columns of its row in TABLE.
-fn wrong_cells() -> Vec<(String, String)> {
-    let tallies = count(methods(), &View::DONUT_C, &donut_c_poses(50)).into_iter();
+/// For each size and method, its name, and the last columns of its row in TABLE.
+fn wrong_cells() -> Vec<(&'static str, String, String)> {
     let columns = |tally: Tally| [tally.surface, tally.shades, tally.extra, tally.holes];
-    tallies.map(|(name, tally)| (name, columns(tally).map(|n| n.to_string()).join(","))).collect()
+    let rows = sizes().into_iter().flat_map(|(size, view, poses)| {
+        let tallies = count(methods(view), &view, &donut_c_poses(poses));
+        tallies.into_iter().map(move |(name, tally)| (size, name, columns(tally)))
+    });
+    rows.map(|(size, name, columns)| (size, name, columns.map(|n| n.to_string()).join(",")))
+        .collect()
 }
 
 /// The median of the microseconds that each method takes for a frame. The methods take turns until the time
@@ -192,13 +206,16 @@ fn row<'a>(table: &'a str, separator: char, name: &str) -> Vec<&'a str> {
 }
 
 /// The figures of a method in TABLE, in the order of its columns.
-fn measured(method: &str) -> Vec<f64> {
-    row(&read(TABLE), ',', method).iter().map(|figure| figure.parse().unwrap()).collect()
+fn measured(size: &str, method: &str) -> Vec<f64> {
+    let (table, name) = (read(TABLE), format!("{size},{method},"));
+    let mut figures = table.lines().filter_map(|line| line.strip_prefix(&name));
+    let figures = figures.next().unwrap_or_else(|| panic!("no row {name}"));
+    figures.split(',').map(|figure| figure.parse().unwrap()).collect()
 }
 
 /// The time that a method takes for a frame, in microseconds, and its wrong cells, in per cent.
-fn time_and_share(method: &str) -> (f64, f64) {
-    let figures = measured(method);
+fn time_and_share(size: &str, method: &str) -> (f64, f64) {
+    let figures = measured(size, method);
     (figures[0], 100.0 * figures[2..].iter().sum::<f64>() / figures[1])
 }
 
@@ -219,12 +236,13 @@ fn derived_files() -> [(&'static str, String); 6] {
 }
 
 #[test]
-#[ignore = "measures for half a minute"]
+#[ignore = "measures for a minute"]
 fn measure_and_write_the_table_and_the_charts() {
     let columns = "us per frame (median),cells of the donut,wrong shades,extra outline,holes";
-    let mut table = format!("method at 80x22,{columns}\n");
-    for ((name, columns), micros) in wrong_cells().iter().zip(micros(methods(), 30)) {
-        table += &format!("{name},{micros:.1},{columns}\n");
+    let mut table = format!("size,method,{columns}\n");
+    let times = sizes().into_iter().flat_map(|(_, view, _)| micros(methods(view), 30));
+    for ((size, name, columns), micros) in wrong_cells().iter().zip(times) {
+        table += &format!("{size},{name},{micros:.1},{columns}\n");
     }
     println!("{TABLE}\n{table}");
     fs::write(path(TABLE), table).unwrap();
@@ -243,9 +261,9 @@ fn the_pictures_and_the_table_of_the_drift_are_up_to_date() {
 
 #[test]
 fn the_table_has_the_wrong_cells() {
-    let table = read(TABLE);
-    for (name, columns) in wrong_cells() {
-        assert_eq!(row(&table, ',', &name)[1..].join(","), columns, "{name}");
+    for (size, name, columns) in wrong_cells() {
+        let counts = measured(size, &name).into_iter().skip(1).map(|count| count.to_string());
+        assert_eq!(counts.collect::<Vec<_>>().join(","), columns, "{size} {name}");
     }
 }
 
@@ -260,13 +278,19 @@ fn the_studys_table_has_the_wrong_cells_where_methods_fail() {
     for (scene, view, poses) in scenes() {
         let column = columns.iter().position(|&name| name == scene);
         let column = column.unwrap_or_else(|| panic!("the study has no column {scene:?}"));
+        let mut check = |name: &str, current: String| {
+            let figure = row(&study, '|', name)[column];
+            if figure != current {
+                stale.push(format!("{name} ({scene}): {current}, not {figure}"));
+            }
+        };
         for (name, tally) in count(compared_methods(view), &view, &poses) {
             let percentage = 100.0 * tally.wrong() as f64 / tally.surface as f64;
             let decimals = usize::from(percentage > 0.0 && percentage < 10.0);
-            let current = format!("{percentage:.decimals$}");
-            let figure = row(&study, '|', &name)[column];
-            if figure != current {
-                stale.push(format!("{name} ({scene}): {current}, not {figure}"));
+            check(&name, format!("{percentage:.decimals$}"));
+            if name == "Exact" {
+                check("Donut's cells", tally.surface.to_string());
+                check("Ties", tally.ties.to_string());
             }
         }
     }
@@ -277,44 +301,62 @@ fn the_studys_table_has_the_wrong_cells_where_methods_fail() {
 /// to as many decimals as the text gives it. After "about" it may be a tenth off, because times differ.
 #[test]
 fn the_figures_in_the_texts_are_those_measured() {
-    let ratio = |slow, fast| measured(slow)[0] / measured(fast)[0];
-    let classic = measured("classic x1");
+    let time = |size, method| measured(size, method)[0];
+    let ratio = |size, slow, fast| time(size, slow) / time(size, fast);
+    let faster = |size, method| ratio(size, "donut.c as written", method);
+    // The share of a core, in per cent, at 30 frames a second.
+    let load = |size, method| 100.0 * 30.0 * time(size, method) / 1e6;
+    let classic = measured("80x22", "classic x1");
     let in_classic = |cells: f64| 100.0 * cells / classic[1];
     let (shades, rim) = (in_classic(classic[2] + classic[4]), in_classic(classic[3]));
-    let share = |method| time_and_share(method).1;
-    let [exact, own] = ["exact", "classic x1"].map(|method| ratio("donut.c as written", method));
+    let share = |method| time_and_share("80x22", method).1;
     let (errors, hours) = (drift(), |frame: f64| frame / 30.0 / 3600.0);
     let whole_turn = errors.iter().find(|error| error.1 > TAU).unwrap().0;
     // A is about 0.04 times the frame, so it has this value a while after frame FASTER.
     let angle = (0.05 * FASTER) as f32;
     let excess = f64::from(add_step(angle, 0.04) - angle) / 0.04 - 1.0;
-    let far = row(&read(STUDY), '|', "Ferrari, f32")[5].parse().unwrap();
     let mut stale = Vec::new();
     for (name, words, value) in [
-        ("README.md", "it is about # times as fast as the", exact),
-        ("README.md", "Classic is about # times as fast", own),
-        ("README.md", "ones: some # show a wrong character", shades),
-        ("README.md", "centre, and some #, in a rim", rim),
-        ("README.md", "it draws # wrong cells for every 100 of the donut.", far),
-        (STUDY, "differs: #% of the donut's cells", shades),
+        ("README.md", "about # of its cells are wrong at 80x22 for every 100", share("classic x1")),
+        ("README.md", "Exact is about # times as fast as the", faster("80x22", "exact")),
+        ("README.md", "and about # times at 200x60", faster("200x60", "exact")),
+        ("README.md", "translated to Rust | #% |", load("80x22", "donut.c as written")),
+        ("README.md", "% | #% | | classic |", load("200x60", "donut.c as written")),
+        ("README.md", "classic | #% |", load("80x22", "classic x1")),
+        ("README.md", "% | #% | | exact |", load("200x60", "classic x1")),
+        ("README.md", "exact | #% |", load("80x22", "exact")),
+        ("README.md", "% | #% | Exact", load("200x60", "exact")),
+        ("README.md", "stands still after nearly # days", hours(STOPPED) / 24.0),
+        (STUDY, "picture, exact is about # times as fast", faster("80x22", "exact")),
+        (STUDY, "sines and cosines, is about # times", faster("80x22", "classic x1")),
+        (STUDY, "200x60, it is about # and", faster("200x60", "exact")),
+        (STUDY, "and about # times; there", faster("200x60", "classic x1")),
+        (
+            STUDY,
+            "takes about # times as long as exact",
+            ratio("80x22", "sphere tracing 64", "exact"),
+        ),
+        (STUDY, "and #% of its cells are wrong", share("sphere tracing 64")),
+        (
+            STUDY,
+            "closed form takes about # times as long",
+            ratio("80x22", "closed form f64", "exact"),
+        ),
+        (STUDY, "at its centre: #% of the donut's cells", shades),
         (STUDY, "all round, # for every 100 of the donut's own", rim),
         (STUDY, "So donut.c's error is #%.", share("classic x1")),
-        (STUDY, "half as long, the error is #%;", share("classic x1/2")),
+        (STUDY, "half as long, it is #%;", share("classic x1/2")),
         (STUDY, "a quarter as long, #%. With", share("classic x1/4")),
         (STUDY, "twice as long, it is #%.", share("classic x2")),
-        (STUDY, "Exact is about # times as fast as a literal", exact),
-        (STUDY, "sines and cosines, about # times", own),
-        (STUDY, "takes about # times as long as exact", ratio("sphere tracing 64", "exact")),
-        (STUDY, "with an error of #%.", share("sphere tracing 64")),
-        (STUDY, "about # times as fast as the closed form", ratio("closed form f64", "exact")),
-        (STUDY, "errors add up to a whole turn in # hours", hours(whole_turn)),
+        (STUDY, "errors of A add up to a whole turn in # hours", hours(whole_turn)),
         (STUDY, "After # hours the floats", hours(FASTER)),
-        (STUDY, "the donut turns #% too fast", 100.0 * excess),
-        (STUDY, "After nearly # days it stands still", hours(STOPPED) / 24.0),
+        (STUDY, "the donut begins to turn #% too fast", 100.0 * excess),
+        (STUDY, "and after nearly # days it stands still", hours(STOPPED) / 24.0),
     ] {
         let text = read(name).split_whitespace().collect::<Vec<_>>().join(" ");
         let (before, after) = words.split_once('#').unwrap();
-        let between = text.split(before).skip(1).filter_map(|rest| rest.split_once(after));
+        let rests = text.match_indices(before).map(|(at, _)| &text[at + before.len()..]);
+        let between = rests.filter_map(|rest| rest.split_once(after));
         let mut found = between.map(|(text, _)| text).filter(|text| text.parse::<f64>().is_ok());
         let figure = found.next().unwrap_or_else(|| panic!("{name} does not say {words:?}"));
         let decimals = figure.split_once('.').map_or(0, |(_, decimals)| decimals.len());

@@ -133,11 +133,11 @@ pub fn failures() -> String {
     let mut texts = String::new();
     let shown = [
         ("donut.c's steps", "gaps", "--k2 3.003"),
-        ("Sphere tracing", "outline", "--k2 3.003"),
-        ("Newton", "far wall", "--k2 50"),
-        ("Ferrari, f32", "rounding", "--k2 50"),
-        ("Ferrari, f64", "division", "edge-on"),
-        ("Ferrari, f64", "rounding", "--k2 50000"),
+        ("Sphere tracing", "the outline is nibbled", "--k2 3.003"),
+        ("Newton", "the far wall shows", "--k2 50"),
+        ("Ferrari, f32", "large terms cancel", "--k2 50"),
+        ("Ferrari, f64", "division by almost 0", "edge-on"),
+        ("Ferrari, f64", "large terms cancel", "--k2 50000"),
     ];
     for (n, (name, failure, scene)) in shown.into_iter().enumerate() {
         let (_, view, poses) = scenes().into_iter().find(|other| other.0 == scene).unwrap();
@@ -160,27 +160,37 @@ pub fn failures() -> String {
         let mut best = corners.iter().filter(|corner| corner.0 == most).map(|corner| corner.1);
         let (first, last) = (best.clone().next().unwrap(), best.next_back().unwrap());
         let corner = ((first.0 + last.0) / 2, (first.1 + last.1) / 2);
-        let (left, top) = (2 + n % 3 * (PART.0 + 4), 2 + n / 3 * (PART.1 + 6));
+        let (left, top) = (2 + n % 3 * (PART.0 + 4), 4 + n / 3 * (PART.1 + 6));
         let (x, y) = pixels(left, top);
-        let title = format!("{name}: {failure}<tspan x=\"{x:.1}\" dy=\"28\">{scene}</tspan>");
+        let title = format!("{failure}<tspan x=\"{x:.1}\" dy=\"28\">{name}, {scene}</tspan>");
         texts += &format!("<text class=\"name\" x=\"{x:.1}\" y=\"{y:.1}\">{title}</text>\n");
         let both = pictures.each_ref().map(Vec::as_slice);
         texts += &compared(both, view.width, part(corner), (left, top + 2));
     }
+    // The key.
+    for (class, column, name) in [("wrong", 2, "a wrong character"), ("hole", 38, "a wrong blank")]
+    {
+        let (x, y) = pixels(column, 2);
+        texts += &block(class, column, 1, 3);
+        let x = x + 4.0 * CELL.0;
+        texts += &format!("<text class=\"name\" x=\"{x:.1}\" y=\"{y:.1}\">{name}</text>\n");
+    }
     let style = format!("{CELLS}{WRONG}.name{{font-size:25px}}tspan{{fill:#9aa3ad}}");
     let title = "Frames of methods that fail, with the wrong cells in orange";
-    svg(title, pixels(3 * (PART.0 + 4), 2 * (PART.1 + 6) - 1), &style, &texts)
+    svg(title, pixels(3 * (PART.0 + 4), 2 * (PART.1 + 6) + 1), &style, &texts)
 }
 
 // ---- Charts --------------------------------------------------------------------------------------
 
 const STYLE: &str = "rect,circle,text{fill:currentColor}\
     polyline{fill:none;stroke:currentColor;stroke-width:2}.grid{stroke-width:1}\
-    text{font:13px system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif}.title{font-size:17px}\n\
+    text{font:13px system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif;paint-order:stroke;\
+    stroke:#ffffff;stroke-width:4px;stroke-linejoin:round}.title{font-size:16px}\
+    circle{stroke:#ffffff;stroke-width:1px}\n\
     rect{color:#ffffff}.grid{color:#e2e5e9}.ink{color:#24292f}.grey{color:#5c646e}\
     .faint{color:#e2a478}.orange{color:#bc4c00}.green{color:#116329}.blue{color:#0550ae}\
     .purple{color:#7d35b5}\n\
-    @media(prefers-color-scheme:dark){\
+    @media(prefers-color-scheme:dark){text,circle{stroke:#0d1117}\
     rect{color:#0d1117}.grid{color:#2b313a}.ink{color:#e6edf3}.grey{color:#a0a8b2}\
     .faint{color:#7a4c2a}.orange{color:#f0883e}.green{color:#56d364}.blue{color:#79c0ff}\
     .purple{color:#d2a8ff}}";
@@ -195,12 +205,19 @@ struct Axis {
     names: &'static [&'static str],
 }
 
-const TIME: Axis = Axis {
-    title: "time of a frame in µs, at 80x22 (logarithmic scale)",
+const TIME_AT_80X22: Axis = Axis {
+    title: "time of a frame in µs (logarithmic scale)",
     scale: f64::log10,
     ends: [5.0, 3000.0],
     marks: &[10.0, 30.0, 100.0, 300.0, 1000.0],
     names: &["10", "30", "100", "300", "1000"],
+};
+
+const TIME_AT_200X60: Axis = Axis {
+    ends: [35.0, 21_000.0],
+    marks: &[100.0, 300.0, 1000.0, 3000.0, 10_000.0],
+    names: &["100", "300", "1000", "3000", "10,000"],
+    ..TIME_AT_80X22
 };
 
 const WRONG_CELLS: Axis = Axis {
@@ -252,7 +269,7 @@ impl Chart {
             chart.line("grid", &[(left, at), (right, at)]);
             chart.text("grey", (left, at), (-8.0, 0.0), "end", name);
         }
-        chart.text("ink title", (left, top), (-48.0, -46.0), "start", title);
+        chart.text("ink title", (left, top), (-48.0, -44.0), "start", title);
         chart.text("ink", (left, top), (-48.0, -20.0), "start", y.title);
         chart.text("ink", (right, bottom), (0.0, 33.0), "end", x.title);
         chart
@@ -288,49 +305,70 @@ impl Chart {
     }
 }
 
+/// The name of a method, how to draw its dot, and where its label is: how far from the dot, and which part of
+/// the label is there. In the label, # stands for the time.
+type Label = (&'static str, &'static str, u32, (f64, f64), &'static str, &'static str);
+
+const LABELS: [Label; 16] = [
+    ("classic x4", "faint", 3, (-3.0, -13.0), "start", "classic, steps 4x as long"),
+    ("classic x2", "faint", 3, (-3.0, -13.0), "start", "2x as long"),
+    ("classic x1", "orange", 6, (0.0, 18.0), "middle", "classic, # µs"),
+    ("classic x1/2", "faint", 3, (-3.0, -13.0), "start", "half as long"),
+    ("classic x1/4", "faint", 3, (-3.0, -13.0), "start", "1/4 as long"),
+    ("donut.c as written", "ink", 6, (0.0, 18.0), "middle", "literal donut.c, # µs"),
+    ("donut.c's steps", "orange", 3, (4.0, -14.0), "start", "donut.c's steps"),
+    ("sphere tracing 8", "blue", 3, (9.0, -2.0), "start", "sphere tracing, 8 steps"),
+    ("sphere tracing 64", "blue", 3, (-9.0, 2.0), "end", "64 steps"),
+    ("sphere tracing 256", "blue", 3, (9.0, -6.0), "start", "256 steps"),
+    ("Ferrari f32", "purple", 3, (9.0, 0.0), "start", "Ferrari, f32"),
+    ("Ferrari f64", "purple", 3, (9.0, 0.0), "start", "Ferrari, f64"),
+    ("Newton", "purple", 3, (9.0, 0.0), "start", "Newton"),
+    ("exact", "green", 8, (0.0, 18.0), "middle", "exact, # µs"),
+    ("exact one ray at a time", "green", 7, (-5.0, 17.0), "start", "exact, one ray at a time"),
+    ("closed form f64", "purple", 3, (-5.0, 33.0), "start", "closed form"),
+];
+
 /// A dot for each method: to the right is the time of a frame in microseconds, and upward the share of
 /// wrong cells in per cent.
-pub fn speed_and_accuracy() -> String {
-    let title = "Of the methods with no wrong cell, exact is the fastest";
-    let mut chart = Chart::new(title, 430.0, &TIME, &WRONG_CELLS);
+fn panel(title: &str, size: &str, time: &'static Axis) -> Chart {
+    let mut chart = Chart::new(&format!("{size}: {title}"), 400.0, time, &WRONG_CELLS);
     let steps = ["x4", "x2", "x1", "x1/2", "x1/4"];
-    let classics = steps.map(|steps| time_and_share(&format!("classic {steps}")));
-    chart.line("faint", &classics);
-    let labels = ["steps 4x as long", "2x as long", "", "half as long", "1/4 as long"];
-    for (label, at) in labels.into_iter().zip(classics).filter(|(label, _)| !label.is_empty()) {
-        chart.dot("faint", at, 3);
-        chart.text("grey", at, (-3.0, -13.0), "start", label);
-    }
-    let sphere_tracing = |steps| time_and_share(&format!("sphere tracing {steps}"));
-    let tracing = [8, 16, 32, 64, 256].map(sphere_tracing);
+    chart.line("faint", &steps.map(|steps| time_and_share(size, &format!("classic {steps}"))));
+    let tracing = [8, 16, 32, 64, 256].map(|steps| format!("sphere tracing {steps}"));
+    let tracing = tracing.map(|name| time_and_share(size, &name));
     chart.line("blue", &tracing);
     tracing.iter().for_each(|&at| chart.dot("blue", at, 3));
-    // In a label, # stands for the time.
-    for (name, color, radius, by, anchor, label) in [
-        ("classic x1", "orange", 6, (0.0, 18.0), "middle", "classic, # µs"),
-        ("donut.c as written", "ink", 6, (0.0, 18.0), "middle", "literal donut.c, # µs"),
-        ("exact", "green", 8, (0.0, 18.0), "middle", "exact, # µs"),
-        ("exact one ray at a time", "green", 4, (-2.0, 16.0), "start", "exact, one ray at a time"),
-        ("closed form f64", "purple", 3, (-2.0, 33.0), "start", "closed form"),
-        ("Newton", "purple", 3, (9.0, 0.0), "start", "Newton"),
-        ("Ferrari f32", "purple", 3, (9.0, 0.0), "start", "Ferrari, f32"),
-        ("Ferrari f64", "purple", 3, (9.0, 0.0), "start", "Ferrari, f64"),
-        ("sphere tracing 8", "blue", 3, (9.0, -2.0), "start", "sphere tracing, 8 steps"),
-        ("sphere tracing 64", "blue", 3, (-9.0, 2.0), "end", "64"),
-        ("sphere tracing 256", "blue", 3, (9.0, -4.0), "start", "256 steps"),
-    ] {
-        let at = time_and_share(name);
+    for (name, color, radius, by, anchor, label) in LABELS {
+        let by = match (size, name) {
+            // In this picture, classic has donut.c's steps.
+            ("80x22", "donut.c's steps") => continue,
+            // Here, these would be in the way of others.
+            ("200x60", "classic x2") => (2.0, -10.0),
+            ("200x60", "sphere tracing 8") => (16.0, 20.0),
+            _ => by,
+        };
+        let at = time_and_share(size, name);
         let decimals = usize::from(at.0 < 100.0);
         let label = label.replace('#', &format!("{:.decimals$}", at.0));
         chart.dot(color, at, radius);
-        chart.text(color, at, by, anchor, &label);
+        chart.text(if color == "faint" { "grey" } else { color }, at, by, anchor, &label);
     }
-    // An arrow towards less time and fewer wrong cells.
-    let (tail, head) = ((9.3, 0.25), (6.0, 0.02));
-    chart.line("grey", &[tail, head]);
-    chart.line("grey", &[(6.1, 0.06), head, (7.6, 0.025)]);
-    chart.text("grey", tail, (-2.0, -11.0), "middle", "better");
-    svg(title, (520.0, chart.height), STYLE, &chart.svg)
+    chart
+}
+
+/// Both sizes, one above the other.
+pub fn speed_and_accuracy() -> String {
+    let small = panel("donut.c's own picture", "80x22", &TIME_AT_80X22);
+    let large = panel("a full screen", "200x60", &TIME_AT_200X60);
+    let title = "The fastest without a wrong cell: exact, eight rays at a time";
+    let panels = format!(
+        "<text class=\"ink title\" x=\"12\" y=\"26\">{title}</text>\n\
+         <g transform=\"translate(0 34)\">\n{}</g>\n<g transform=\"translate(0 {})\">\n{}</g>\n",
+        small.svg,
+        34.0 + small.height,
+        large.svg
+    );
+    svg(title, (520.0, 34.0 + small.height + large.height), STYLE, &panels)
 }
 
 /// The largest error of donut.c's angle A so far, over the running time.
