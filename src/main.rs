@@ -1,8 +1,8 @@
 //! donut.c, Andy Sloane's spinning ASCII torus of 2006, in Rust.
 //!
 //! donut.c draws a picture of 80 by 22 characters, for a terminal of 80 columns and 24 rows. At this size,
-//! this program draws the same picture, byte for byte, unless an option asks for another. A picture of any
-//! other size has no original to match, so it is ray-traced.
+//! this program draws the same picture, byte for byte. A picture of any other size has no original to match,
+//! so it is ray-traced. (Options can choose the size and the method.)
 //!
 //! # How donut.c draws a donut
 //!
@@ -22,36 +22,34 @@
 //!          :.K1.                  :
 //!          :......... K2 .........:
 //! ```
-//!
 //! K2 is the distance from the viewer to the centre of the donut. donut.c has R1 = 1, R2 = 2 and K2 = 5, so
 //! its unit of length is the radius of the tube. The screen is a grid of cells, one for each character. K1,
-//! the distance from the viewer to the screen, only sets the scale of the picture, and is measured in cells:
-//! it is 30 columns, or 15 rows, since a cell is twice as tall as it is wide. To the viewer, the x axis
-//! points right, the y axis points *down*, and the z axis points away.
+//! the distance from the viewer to the screen, only sets the scale of the picture. So its unit is that of the
+//! picture, the cell: it is 30 columns, or 15 rows, since a cell is twice as tall as it is wide. To the
+//! viewer, the x axis points right, the y axis points *down*, and the z axis points away.
 //!
 //! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps of
 //! 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one sample: a
 //! point of the surface, and the normal there, a vector of length 1 in the direction that the surface faces.
-//! The point is at the distance h from the axis, and at the distance f from the plane of the ring:
+//! The point is at the distance h from the axis, and f from the plane of the ring (negative on one side of
+//! it):
 //! ```text
 //! h = R2 + R1 cos theta      point   (h cos phi, h sin phi, f)
 //! f = R1 sin theta           normal  (cos theta cos phi, cos theta sin phi, sin theta)
 //! ```
-//!
 //! **Rotation.** The donut is rotated by the angle A about the x axis, and then by B about the z axis. Each
-//! frame adds 0.04 to A and 0.02 to B. The two rotations take the point to (X, Y, Z), measured from the
-//! donut's centre; in the formulas, t is the point's y after the first rotation. The normal is rotated in the
-//! same way.
+//! frame adds 0.04 to A and 0.02 to B. The rotations take the point to (X, Y, Z), measured from the donut's
+//! centre; t is its y after the first one. The normal is rotated in the same way.
 //! ```text
-//! t = h sin phi cos A - f sin A      X = h cos phi cos B - t sin B
-//! Z = h sin phi sin A + f cos A      Y = h cos phi sin B + t cos B
+//! t = h sin phi cos A - f sin A
+//! X = h cos phi cos B - t sin B
+//! Y = h cos phi sin B + t cos B
+//! Z = h sin phi sin A + f cos A
 //! ```
-//!
 //! **Perspective.** The depth of the point, `z = Z + K2`, is its distance from the viewer along the z axis.
 //! Things twice as far away look half as large, so the point appears `K1 X / z` to the right of the donut's
 //! centre, and `K1 Y / z` below it. donut.c puts this centre at column 40 and row 12 of its 80x22 cells. That
-//! is below the middle, and in some poses the lowest part of the donut is cut off. (So is a little of the
-//! highest part, because nothing is drawn in row 0.)
+//! is below the middle, so in some poses the lowest part is cut off. (So is a little at the top, in row 0.)
 //!
 //! **The z-buffer.** Many samples fall into the same cell, and the cell shows the nearest of them. To find
 //! it, a z-buffer keeps the largest 1/z so far for each cell. (The perspective needs 1/z anyway, and 0 can
@@ -64,7 +62,7 @@
 //! surface faces away from the light, and the index is 0.
 //!
 //! The letters R1, R2, K1, K2, A, B and L are those of the [article] in which Andy Sloane explains donut.c.
-//! But A and B are the angles of donut.c itself: its A is pi/2 minus the article's A, and its B is minus the
+//! A and B, however, are those of donut.c itself: its A is pi/2 minus the article's A, and its B is minus the
 //! article's B. All angles are in radians.
 //!
 //! # Two methods
@@ -73,11 +71,14 @@
 //! other way: for each cell, it asks what is there. It follows the ray from the viewer through the centre of
 //! the cell, and the cell shows the first point of the donut that the ray hits.
 //!
-//! # This file
+//! Both methods work on eight samples or rays at a time, in vector instructions. A value of the types `f32x8`
+//! and `f64x8`, from the crate wide, is eight numbers, its *lanes*. A formula is written as for one number
+//! and computed in every lane, without hoping for the optimiser, and each lane rounds as a single number
+//! does; otherwise `classic` could not match byte for byte. A plain number counts in every lane. A comparison
+//! gives a mask: `mask.select(x, y)` is x in the lanes where the comparison is true and y in the others, and
+//! `mask.any()` says whether it is true in any.
 //!
-//! `View` says where the donut appears in the picture, and `Renderer` draws it. A section on each method
-//! follows, then the options, the loop that draws frame after frame, and last the terminal: its screen, its
-//! keys and signals, and the shape of its cells.
+//! Below are the view, the drawing, the two methods, the options, the loop, and last the terminal.
 //!
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
@@ -92,6 +93,7 @@ use clap::{CommandFactory, Parser, ValueEnum, ValueHint, value_parser};
 use crossterm::event::{self, Event, KeyCode, KeyModifiers};
 use crossterm::style::{self, Color};
 use crossterm::{cursor, execute, queue, terminal};
+use wide::{f32x8, f64x8};
 
 #[cfg(windows)]
 use std::os::windows::io::AsHandle;
@@ -114,9 +116,9 @@ use {
 /// `y > 0` leaves out row 0. This holds for both methods, so that their pictures can be laid over each other.
 #[derive(Clone, Copy, PartialEq)]
 struct View {
-    /// The radius of the ring.
+    /// The radius of the ring: more than 1, because otherwise there is no hole.
     r2: f64,
-    /// The distance from the viewer to the donut's centre.
+    /// The distance from the viewer to the donut's centre: more than 1 + R2, so that the donut is in front.
     k2: f64,
     /// Columns and rows of the picture.
     width: usize,
@@ -132,15 +134,16 @@ struct View {
 impl View {
     const DONUT_C: View =
         View { r2: 2.0, k2: 5.0, width: 80, height: 22, cx: 40.0, cy: 12.0, k1x: 30.0, k1y: 15.0 };
+    /// The height of a cell divided by its width in donut.c, and by default: 2.
+    const ASPECT: f64 = View::DONUT_C.k1x / View::DONUT_C.k1y;
 
     /// donut.c's own view if everything is as in donut.c. Otherwise, the donut is in the middle of the cells
-    /// that are drawn, and as large as it can be without being cut off in any pose. `aspect` is the height of
-    /// a cell divided by its width.
+    /// that are drawn, and as large as it can be without being cut off in any pose.
     fn new(width: usize, height: usize, aspect: f64, r2: f64, k2: f64) -> View {
-        if (width, height, aspect, r2, k2) == (80, 22, 2.0, 2.0, 5.0) {
-            return View::DONUT_C;
+        let c = View::DONUT_C;
+        if (width, height, aspect, r2, k2) == (c.width, c.height, View::ASPECT, c.r2, c.k2) {
+            return c;
         }
-        // The donut is in the middle of all cells but those of column 0 and row 0.
         let (columns, rows) = (width as f64 - 1.0, height as f64 - 1.0);
         let k1x = f64::min(columns / 2.0, aspect * rows / 2.0) / outline_radius(r2, k2);
         let (cx, cy) = (1.0 + columns / 2.0, 1.0 + rows / 2.0);
@@ -150,9 +153,8 @@ impl View {
 
 /// How large the donut can look: the radius of the outline of its bounding sphere, on a screen at the
 /// distance 1. However the donut is rotated, it just fits into this sphere, whose radius is R1 + R2.
-///
-/// A ray to the outline touches the sphere, at a right angle to the sphere's radius there. So the viewer, the
-/// point that the ray touches and the centre form a right triangle, whose hypotenuse is K2.
+/// A ray to the outline touches the sphere, at a right angle to the sphere's radius there. So this is the
+/// tangent of an angle of a right triangle, whose hypotenuse, from the viewer to the centre, is K2.
 fn outline_radius(r2: f64, k2: f64) -> f64 {
     let sphere_radius = 1.0 + r2;
     sphere_radius / (k2 * k2 - sphere_radius * sphere_radius).sqrt()
@@ -172,7 +174,8 @@ enum Method {
 /// The characters that show the luminance, from dark to bright.
 const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
 
-/// The character of a luminance L: the one at index 8 L of the ramp.
+/// The character of a luminance L: the one at index 8 L of the ramp. The largest L is sqrt 2, so 8 L reaches
+/// 11, the last index: 8 and the length of the ramp belong together.
 fn glyph(luminance: f64) -> u8 {
     // `as u8` drops the fraction, and makes a negative number 0. `min` only saves a bounds check.
     RAMP[usize::from((8.0 * luminance) as u8).min(RAMP.len() - 1)]
@@ -188,7 +191,7 @@ struct Renderer {
 
 impl Renderer {
     fn new(view: View, method: Method) -> Renderer {
-        let classic = (method == Method::Classic).then(|| Classic::new(&view));
+        let classic = (method == Method::Classic).then(|| Classic::new(&view, angle_steps(&view)));
         Renderer { view, framebuffer: vec![b' '; view.width * view.height], classic }
     }
 
@@ -198,7 +201,7 @@ impl Renderer {
         framebuffer.fill(b' ');
         match classic {
             Some(classic) => classic.plot_samples(view, a as f32, b as f32, framebuffer),
-            None => trace(view, a, b, framebuffer, first_hits::<LANES>),
+            None => trace(view, a, b, framebuffer),
         }
     }
 
@@ -214,14 +217,15 @@ impl Renderer {
 
     /// Makes every glyph of the frame the darkest one.
     fn remove_shading(&mut self) {
-        self.framebuffer.iter_mut().filter(|cell| **cell != b' ').for_each(|cell| *cell = RAMP[0]);
+        for cell in self.framebuffer.iter_mut().filter(|cell| **cell != b' ') {
+            *cell = RAMP[0];
+        }
     }
 
     /// The bytes that show the frame. `clear` says whether to clear the screen first.
     fn encode(&self, color: Option<Color>, is_terminal: bool, clear: bool) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::with_capacity(self.framebuffer.len() + 100);
-        // A terminal that knows synchronized updates holds the output back until the end of the update, so
-        // that nobody sees half a frame.
+        // In a synchronized update, a terminal shows nothing until the end, and so never half a frame.
         if is_terminal {
             queue!(bytes, terminal::BeginSynchronizedUpdate)?;
         }
@@ -252,89 +256,82 @@ struct Classic {
     /// drawn, it is infinity, which no sample exceeds: in column 0, in row 0, and in the two rows below the
     /// picture, into which donut.c's donut reaches in some poses.
     zbuffer: Vec<f32>,
-    /// The sines and cosines of the angles in donut.c's loops: those of theta, and those of phi.
-    tables: [(Vec<f32>, Vec<f32>); 2],
+    /// The sine and the cosine of each theta in donut.c's loop, and of each phi, eight at a time.
+    thetas: Vec<(f32, f32)>,
+    phis: Vec<(f32x8, f32x8)>,
 }
 
 impl Classic {
-    fn new(view: &View) -> Classic {
+    fn new(view: &View, theta_and_phi_step: [f64; 2]) -> Classic {
+        let [thetas, phis] = theta_and_phi_step.map(trig_table);
+        // The last group is filled up with the last phi: a sample is not nearer than itself.
+        let group = |first: usize| {
+            let lanes: [_; 8] = array::from_fn(|i| phis[(first + i).min(phis.len() - 1)]);
+            (f32x8::new(lanes.map(|(sin, _)| sin)), f32x8::new(lanes.map(|(_, cos)| cos)))
+        };
+        let phis = (0..phis.len()).step_by(8).map(group).collect();
         let zbuffer = vec![f32::INFINITY; view.width * (view.height + 2)];
-        Classic { zbuffer, tables: angle_steps(view).map(trig_table) }
+        Classic { zbuffer, thetas, phis }
     }
 
-    /// donut.c's double loop over theta and phi.
-    ///
-    /// All arithmetic is in f32 and in donut.c's order of operations, because another order would round to
-    /// other characters. donut.c has names of one letter: `sin_phi` is its c, `cos_theta` d, `sin_a` e,
-    /// `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l, `cos_b` m, `sin_b` n and `cell` o.
+    /// donut.c's double loop over theta and phi. All arithmetic is in f32 and in donut.c's order of
+    /// operations, because another order would round to other characters. donut.c has names of one letter:
+    /// `sin_phi` is its c, `cos_theta` d, `sin_a` e, `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l,
+    /// `cos_b` m, `sin_b` n and `cell` o.
     fn plot_samples(&mut self, view: &View, a: f32, b: f32, framebuffer: &mut [u8]) {
         let &View { width, height, r2, k2, cx, cy, k1x, k1y } = view;
         let [r2, k2, cx, cy, k1x, k1y] = [r2, k2, cx, cy, k1x, k1y].map(|value| value as f32);
         let [(sin_a, cos_a), (sin_b, cos_b)] = [a, b].map(c_sin_cos);
-        let [(sin_thetas, cos_thetas), (sin_phis, cos_phis)] = &self.tables;
-
         for row in 1..height {
             self.zbuffer[row * width + 1..(row + 1) * width].fill(0.0);
         }
 
-        // donut.c's loop over phi is three loops here, so that the compiler can vectorise the first two. The
-        // slices tell it that there are as many sines as cosines, which saves the bounds checks.
-        let phi_count = sin_phis.len();
-        let (sin_phis, cos_phis) = (&sin_phis[..phi_count], &cos_phis[..phi_count]);
-        let (mut ooz, mut cells) = (vec![0.0; phi_count], vec![0; phi_count]);
-        let (mut x, mut y) = (vec![0.0; phi_count], vec![0.0; phi_count]);
-
-        for (&sin_theta, &cos_theta) in sin_thetas.iter().zip(cos_thetas.iter()) {
+        for &(sin_theta, cos_theta) in &self.thetas {
             let h = cos_theta + r2;
-            for i in 0..phi_count {
-                let (sin_phi, cos_phi) = (sin_phis[i], cos_phis[i]);
-                ooz[i] = 1.0 / (sin_phi * h * sin_a + sin_theta * cos_a + k2);
+            for &(sin_phi, cos_phi) in &self.phis {
+                let ooz = 1.0 / (sin_phi * h * sin_a + sin_theta * cos_a + k2);
                 let t = sin_phi * h * cos_a - sin_theta * sin_a;
-                x[i] = cx + k1x * ooz[i] * (cos_phi * h * cos_b - t * sin_b);
-                y[i] = cy + k1y * ooz[i] * (cos_phi * h * sin_b + t * cos_b);
-            }
+                let x = cx + k1x * ooz * (cos_phi * h * cos_b - t * sin_b);
+                let y = cy + k1y * ooz * (cos_phi * h * sin_b + t * cos_b);
+                // The dot product of the rotated normal and (0, -1, -1).
+                let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
+                    - sin_phi * cos_theta * sin_a
+                    - sin_theta * cos_a
+                    - cos_phi * cos_theta * sin_b;
 
-            // donut.c skips the samples outside the picture. Here, the z-buffer rejects those below it. None
-            // has a negative x or y, because every view has room for the bounding sphere on the left and at
-            // the top. A sample on the right edge, where x is `width`, counts as one in column 0 of the next
-            // row, and is rejected there.
-            for i in 0..phi_count {
-                cells[i] = truncate(x[i]) + width as u32 * truncate(y[i]);
-            }
-
-            for i in 0..phi_count {
-                let (cell, sin_phi, cos_phi) = (cells[i] as usize, sin_phis[i], cos_phis[i]);
-                if self.zbuffer[cell] < ooz[i] {
-                    self.zbuffer[cell] = ooz[i];
-                    // The dot product of the rotated normal and (0, -1, -1).
-                    let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
-                        - sin_phi * cos_theta * sin_a
-                        - sin_theta * cos_a
-                        - cos_phi * cos_theta * sin_b;
-                    framebuffer[cell] = glyph(luminance.into());
+                // donut.c skips the samples outside the picture. Here, the z-buffer rejects those below it.
+                // None has a negative x or y, because every view has room for the bounding sphere on the left
+                // and at the top. A sample on the right edge, where x is `width`, counts as one in column 0
+                // of the next row, and is rejected there. (`fast_trunc_int` is C's cast to `int`.)
+                let [columns, rows] = [x, y].map(|place| place.fast_trunc_int().to_array());
+                let [ooz, luminance] = [ooz, luminance].map(f32x8::to_array);
+                for i in 0..8 {
+                    let cell = (columns[i] + width as i32 * rows[i]) as usize;
+                    if ooz[i] > self.zbuffer[cell] {
+                        self.zbuffer[cell] = ooz[i];
+                        framebuffer[cell] = glyph(luminance[i].into());
+                    }
                 }
             }
         }
     }
 }
 
-/// donut.c's steps of theta and phi, or shorter ones for a picture that is larger than donut.c's.
-///
-/// Where the donut is nearest to the viewer, donut.c's samples are about a cell apart, and leave almost no
-/// gaps. (At A = B = 1.5708, there are a few.) In a larger picture of the same donut, k1x and k1y are n times
-/// donut.c's, and each step is divided by n, so that the samples stay about a cell apart. If the cells have
-/// another shape, k1x and k1y are different multiples of donut.c's, and n is the larger one.
+/// donut.c's steps of theta and phi, or shorter ones for a larger picture. Where donut.c's donut is nearest
+/// to the viewer, its samples are about a cell apart, and leave almost no gaps. If K1 is n times donut.c's,
+/// each step is divided by n, so that they stay so. If the cells have another shape, K1 in columns and K1 in
+/// rows are different multiples of donut.c's, and n is the larger one.
 fn angle_steps(view: &View) -> [f64; 2] {
     let n = f64::max(view.k1x / View::DONUT_C.k1x, view.k1y / View::DONUT_C.k1y).max(1.0);
     [0.07 / n, 0.02 / n]
 }
 
-/// The sines and cosines of the angles in one of donut.c's loops: from 0 in steps of `step`, once round.
-fn trig_table(step: f64) -> (Vec<f32>, Vec<f32>) {
+/// The sine and the cosine of each angle in one of donut.c's loops: from 0 in steps of `step`, once round.
+fn trig_table(step: f64) -> Vec<(f32, f32)> {
     let angles = std::iter::successors(Some(0.0), |&angle| Some(add_step(angle, step)));
     // donut.c stops at 6.28. With its own steps, TAU gives the same angles. With much shorter steps, stopping
     // at 6.28 would leave a gap.
-    angles.take_while(|&angle| f64::from(angle) < std::f64::consts::TAU).map(c_sin_cos).unzip()
+    angles.take_while(|&angle| f64::from(angle) < std::f64::consts::TAU).map(c_sin_cos).collect()
 }
 
 /// donut.c's `angle += step`: C adds in `double` and rounds the sum to `float`.
@@ -349,54 +346,37 @@ fn c_sin_cos(angle: f32) -> (f32, f32) {
     (sin as f32, cos as f32)
 }
 
-/// `value as u32`, for values from 0 to 2^23. Not every processor has a vector instruction for that cast, so
-/// it is done by addition. From 2^23 to 2^24 floats are 1 apart, so adding 2^23 rounds the value to an
-/// integer, which is left in the low bits of the sum. If it was rounded up, it is one too large.
-fn truncate(value: f32) -> u32 {
-    const TWO_TO_23: f32 = 8_388_608.0;
-    let rounded = value + TWO_TO_23;
-    let was_rounded_up = rounded - TWO_TO_23 > value;
-    rounded.to_bits() - TWO_TO_23.to_bits() - u32::from(was_rounded_up)
-}
-
 // ---- exact: a ray for each cell ------------------------------------------------------------------
 
-/// How many rays are followed side by side. The compiler vectorises the loops over them, and while one ray
-/// waits for a division, others go on.
-const LANES: usize = 8;
+/// The s of a ray that misses the donut.
+const MISS: f64 = f64::INFINITY;
 
 /// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly an
-/// integer. Rounding would then choose between two glyphs; this makes every machine draw the brighter one.
+/// integer, and the rounding of sines and cosines, which differs between systems, would choose between two
+/// glyphs. With this, the brighter one is drawn (unless R2 is large).
 const TIE_BIAS: f64 = 1e-12;
 
-/// Shows in each cell what the ray through its centre hits first. `first_hits` finds the hits of N rays at a
-/// time. (It is a parameter because the tests compare several ways of finding them.)
-fn trace<const N: usize, F>(view: &View, a: f64, b: f64, framebuffer: &mut [u8], first_hits: F)
-where
-    F: Fn(&Torus, &[Ray; N]) -> [f64; N],
-{
+/// Shows in each cell what the ray through its centre hits first.
+fn trace(view: &View, a: f64, b: f64, framebuffer: &mut [u8]) {
     let &View { r2, k2, width, cx, cy, k1x, k1y, .. } = view;
     let torus = Torus::new(r2, a, b);
-    // Nothing is drawn in row 0.
-    for (row, cells) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
+    let outline_radius = outline_radius(r2, k2);
+    for (row, line) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
         // A ray can only hit inside the outline of the bounding sphere, a circle. In this row, the circle
-        // reaches from cx - half_width to cx + half_width. (Above and below the circle, half_width is 0, and
-        // the rays miss. In a picture of one column, k1x is 0, dy is infinite or NaN, and half_width is 0, so
-        // that no ray is followed. Rays through column 0 miss, because `View` leaves it free.)
+        // reaches from cx - half_width to cx + half_width. (Above and below it, and in a picture of one
+        // column, half_width is 0.)
         let dy = (row as f64 + 0.5 - cy) / k1y;
-        let half_width = (outline_radius(r2, k2).powi(2) - dy * dy).max(0.0).sqrt() * k1x;
-        let end = width.min((cx + half_width) as usize + 1);
-
-        // The last group of N rays may reach beyond `end`. Those hits are not used.
-        for column in ((cx - half_width) as usize..end).step_by(N) {
-            let dx = |i| ((column + i) as f64 + 0.5 - cx) / k1x;
-            let rays = array::from_fn(|i| torus.ray(dx(i), dy, k2));
-            let hits = first_hits(&torus, &rays);
-            // For a miss the luminance is meaningless, but a branch would prevent vectorisation.
-            let luminances: [f64; N] = array::from_fn(|i| torus.luminance(&rays[i], hits[i]));
-            for (i, cell) in cells[column..end].iter_mut().take(N).enumerate() {
-                if hits[i] < MISS {
-                    *cell = glyph(luminances[i] + TIE_BIAS);
+        let half_width = (outline_radius * outline_radius - dy * dy).max(0.0).sqrt() * k1x;
+        let (start, end) = ((cx - half_width) as usize, width.min((cx + half_width) as usize + 1));
+        // The last group of rays may reach beyond `end`, where there is no cell for them.
+        for (n, cells) in line[start..end].chunks_mut(8).enumerate() {
+            let x = (start + 8 * n) as f64 + f64x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
+            let rays = torus.rays((x - cx) / k1x, dy, k2);
+            let hits = Quartic::new(r2, &rays).first_hits(torus.entry(&rays));
+            let luminances = (torus.luminance(&rays, hits) + TIE_BIAS).to_array();
+            for ((cell, hit), luminance) in cells.iter_mut().zip(hits.to_array()).zip(luminances) {
+                if hit < MISS {
+                    *cell = glyph(luminance);
                 }
             }
         }
@@ -410,24 +390,24 @@ struct Torus {
     axis: [f64; 3],
 }
 
-/// A ray, reduced to the five numbers that decide where it hits one torus, and how bright the hit is.
+/// Eight rays, reduced to the five numbers that decide where they hit one torus, and how bright the hits are.
 ///
-/// A point of the ray is P = P0 + s U. U is the direction of the ray, of length 1. P0 is the point of the ray
+/// A point of a ray is P = P0 + s U. U is the direction of the ray, of length 1. P0 is the point of the ray
 /// that is nearest to the donut's centre, the origin, so P0 . U = 0. The number s says where on the ray P is:
-/// s is 0 at P0, and negative on the viewer's side of it. With n for the axis, and l = (0, -1, -1) for the
-/// vector to the light, three quantities at P matter:
+/// s is 0 at P0, and negative on the viewer's side of it. With n for the axis, and `light` for the vector
+/// (0, -1, -1), three quantities at P matter:
 /// ```text
-/// |P|^2 = d0^2 + s^2         the distance from the centre, squared; at P0, the distance is d0
-/// f     = P.n = f0 + fu s    the distance from the plane of the ring, negative on one side
-///         P.l = l0 + lu s    which the luminance needs
+/// |P|^2   = d0^2 + s^2             the distance from the centre, squared; at P0, the distance is d0
+/// f       = P.n = f0 + fu s        the distance from the plane of the ring, negative on one side
+/// P.light = light0 + light_u s     which the luminance needs
 /// ```
-#[derive(Clone, Copy, Debug)]
-struct Ray {
-    d0_squared: f64,
-    f0: f64,
-    fu: f64,
-    l0: f64,
-    lu: f64,
+#[derive(Debug)]
+struct Rays {
+    d0_squared: f64x8,
+    f0: f64x8,
+    fu: f64x8,
+    light0: f64x8,
+    light_u: f64x8,
 }
 
 impl Torus {
@@ -436,235 +416,171 @@ impl Torus {
         Torus { r2, axis: [sin_a * sin_b, -sin_a * cos_b, cos_a] }
     }
 
-    /// The ray from the viewer at V = (0, 0, -K2) in the direction (dx, dy, 1).
+    /// The rays from the viewer at V = (0, 0, -K2) in the directions (dx, dy, 1).
     ///
     /// U is (dx, dy, 1) divided by its length. So U = Uz (dx, dy, 1), and Uz^2 (dx^2 + dy^2 + 1) = 1. P0 is V
-    /// without its part along U:
+    /// without its part along U, and V.U = -K2 Uz:
     /// ```text
-    /// P0   = V - (V.U) U = (0, 0, -K2) + K2 Uz^2 (dx, dy, 1) = K2 Uz^2 (dx, dy, -(dx^2 + dy^2))
-    /// d0^2 = |V|^2 - (V.U)^2 = K2^2 (1 - Uz^2) = K2^2 Uz^2 (dx^2 + dy^2)
+    /// P0   = V - (V.U) U = (0, 0, -K2) + depth (dx, dy, 1)      where depth = K2 Uz^2
+    ///                    = depth (dx, dy, -(dx^2 + dy^2))       because K2 = depth (dx^2 + dy^2 + 1)
+    /// d0^2 = |V|^2 - (V.U)^2 = K2^2 - K2^2 Uz^2 = K2 (K2 - depth) = K2 depth (dx^2 + dy^2)
     /// ```
-    fn ray(&self, dx: f64, dy: f64, k2: f64) -> Ray {
+    fn rays(&self, dx: f64x8, dy: f64, k2: f64) -> Rays {
         let [nx, ny, nz] = self.axis;
         let xy_squared = dx * dx + dy * dy;
         let uz = 1.0 / (1.0 + xy_squared).sqrt();
-        let scale = k2 * uz * uz;
-        Ray {
-            d0_squared: k2 * scale * xy_squared,
-            f0: scale * (dx * nx + dy * ny - xy_squared * nz),
+        let depth = k2 * uz * uz;
+        Rays {
+            d0_squared: k2 * depth * xy_squared,
+            f0: depth * (dx * nx + dy * ny - xy_squared * nz),
             fu: uz * (dx * nx + dy * ny + nz),
-            l0: scale * (xy_squared - dy),
-            lu: -uz * (dy + 1.0),
+            light0: depth * (xy_squared - dy),
+            light_u: -uz * (dy + 1.0),
         }
     }
 
-    /// The s where the ray enters the donut's bounding volume: the slice of the bounding sphere between the
-    /// planes f = -1 and f = 1. No hit comes before it. For a ray that misses the volume, any finite s will
-    /// do, because there is no hit to find.
-    fn entry(&self, &Ray { d0_squared, f0, fu, .. }: &Ray) -> f64 {
+    /// The s where each ray enters the donut's bounding volume: the slice of the bounding sphere between the
+    /// planes f = -1 and f = 1. No hit comes before it. For a ray that misses the volume, any s will do.
+    fn entry(&self, &Rays { d0_squared, f0, fu, .. }: &Rays) -> f64x8 {
         let sphere_radius = 1.0 + self.r2;
-        let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(0.0).sqrt();
-        // Through the plane f = -1 if f grows along the ray, otherwise through f = 1. If fu is 0, the ray is
-        // parallel to the planes. Then `slice_entry` is -infinity for a ray between them, so that the sphere
-        // decides. For one outside, which misses, any value will do. For one in a plane, it may be NaN, which
-        // `max` ignores.
-        let plane = -f64::copysign(1.0, fu);
+        let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(f64x8::ZERO).sqrt();
+        // Through the plane f = -1 if f grows along the ray, otherwise through f = 1. A ray with fu = 0 never
+        // crosses the planes. Between them, its `slice_entry` is -infinity; in one of them, it may be NaN,
+        // which `max` ignores. In both cases, the sphere decides. Outside, the ray misses.
+        let plane = -f64x8::ONE.copysign(fu);
         let slice_entry = (plane - f0) / fu;
         sphere_entry.max(slice_entry)
     }
 
-    /// The luminance L where the ray hits: the dot product of the normal and l, the vector to the light.
+    /// The luminance L of each hit: the dot product of the normal and `light`. For a miss, it means nothing.
     ///
     /// In the plane of the ring, the point nearest to P is P - f n, at the distance h from the centre. The
     /// nearest point of the ring lies in the same direction, at the distance R2. It is the centre of the tube
     /// there, and the normal leads from it to P:
     /// ```text
     /// normal = P - (R2 / h) (P - f n) = (1 - R2 / h) (P - f n) + f n
-    /// L      = (1 - R2 / h) (P.l - f n.l) + f n.l
+    /// L      = (1 - R2 / h) (P.light - f n.light) + f n.light
     /// ```
-    ///
     /// As P is 1 away from the ring, (h - R2)^2 + f^2 = 1; and h^2 + f^2 = |P|^2. So the difference of the
     /// two gives h: 2 R2 h = |P|^2 + R2^2 - 1.
-    fn luminance(&self, ray: &Ray, s: f64) -> f64 {
+    fn luminance(&self, rays: &Rays, s: f64x8) -> f64x8 {
         let r2_squared = self.r2 * self.r2;
-        let f = ray.f0 + ray.fu * s;
-        let p_dot_l = ray.l0 + ray.lu * s;
-        let n_dot_l = -(self.axis[1] + self.axis[2]);
-        let r2_over_h = 2.0 * r2_squared / (ray.d0_squared + s * s + r2_squared - 1.0);
-        (1.0 - r2_over_h) * (p_dot_l - f * n_dot_l) + f * n_dot_l
+        let f = rays.f0 + rays.fu * s;
+        let p_dot_light = rays.light0 + rays.light_u * s;
+        let n_dot_light = -(self.axis[1] + self.axis[2]);
+        let r2_over_h = 2.0 * r2_squared / (rays.d0_squared + s * s + r2_squared - 1.0);
+        (1.0 - r2_over_h) * (p_dot_light - f * n_dot_light) + f * n_dot_light
     }
 }
 
-/// A ray's quartic G: a polynomial in s, which is 0 where the ray meets the surface, positive outside the
+/// Each ray's quartic G: a polynomial in s, which is 0 where the ray meets the surface, positive outside the
 /// donut, and negative inside.
 /// ```text
-/// G(s) = (s^2 + p)^2 + q s + r
+/// G(s) = (s^2 + p)^2 + q s + c
 ///
-///  G  \              .---.              /
-///      \           .'     '.           /
-///  -----s1-------s2---------s3-------s4---> s
-///        '.    .'             '.    .'
-///          '..'                 '..'
-///               -w           w
+///  G  \                .----.                /
+///      \             .'      '.             /
+///  -----s1---------s2----------s3---------s4---> s
+///        \        /              \        /
+///         '.____.'                '.____.'
+///                 -w            w
 /// ```
-///
 /// The inflections are at -w and w, where the second derivative, 12 s^2 + 4 p, is 0. G is concave between
-/// them, and convex on either side. If p is not negative, G is convex everywhere, with a single valley; w is
-/// then set to 0.
+/// them, and convex on either side. (s2 and s3 may lie on either side of the inflections next to them.) If p
+/// is not negative, G is convex everywhere, with a single valley; w is then set to 0.
+#[derive(Debug)]
 struct Quartic {
-    p: f64,
-    q: f64,
-    r: f64,
-    w: f64,
+    p: f64x8,
+    q: f64x8,
+    c: f64x8,
+    w: f64x8,
 }
+
+/// A search takes only steps longer than this, in units of R1. Newton's method converges so fast that little
+/// more than rounding error is left then. Only at a graze or a triple root, where G is flat, may the hit be
+/// further away (1e-4), but still so near that the luminance is hardly different.
+const TOLERANCE: f64 = 1e-14;
 
 impl Quartic {
     /// Let h be the distance of P from the axis. The square of its distance from the ring is (h - R2)^2 +
     /// f^2: 1 on the surface, more outside, and less inside. So G can be (h - R2)^2 + f^2 - 1 times anything
-    /// positive. The second factor below is positive, because R2 > 1, and leaves only h^2, a polynomial in s:
+    /// positive, such as (h + R2)^2 + f^2 - 1, which is positive because R2 > 1. The product has only h^2, a
+    /// polynomial in s. With m = h^2 + f^2 + R2^2 - 1 = |P|^2 + R2^2 - 1:
     /// ```text
-    /// G = ((h - R2)^2 + f^2 - 1) ((h + R2)^2 + f^2 - 1)
-    ///   = (h^2 + f^2 + R2^2 - 1)^2 - 4 R2^2 h^2
-    ///   = (|P|^2 + R2^2 - 1)^2 - 4 R2^2 (|P|^2 - f^2)           because h^2 + f^2 = |P|^2
-    ///   = (s^2 + c)^2 - 4 R2^2 (d0^2 + s^2 - (f0 + fu s)^2)     where c = d0^2 + R2^2 - 1
-    ///   = s^4 + 2 p s^2 + q s + p^2 + r
-    ///
-    /// p = c - 2 R2^2 (1 - fu^2)
+    /// G = (m - 2 R2 h) (m + 2 R2 h) = m^2 - 4 R2^2 h^2 = m^2 - 4 R2^2 (|P|^2 - f^2)
+    ///   = (s^2 + m0)^2 - 4 R2^2 (d0^2 + s^2 - (f0 + fu s)^2)     where m0 = d0^2 + R2^2 - 1
+    /// p = m0 - 2 R2^2 (1 - fu^2)
     /// q = 8 R2^2 f0 fu
-    /// r = c^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
+    /// c = m0^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
     /// ```
-    ///
-    /// As s is measured from P0, the coefficients stay small however far away the viewer is; and as there is
-    /// no cubic term, one w serves both inflections.
-    fn new(r2: f64, &Ray { d0_squared, f0, fu, .. }: &Ray) -> Quartic {
+    /// As s is measured from P0, the coefficients stay small, however far away the viewer is.
+    fn new(r2: f64, &Rays { d0_squared, f0, fu, .. }: &Rays) -> Quartic {
         let r2_squared = r2 * r2;
-        let c = d0_squared + r2_squared - 1.0;
-        let p = c - 2.0 * r2_squared * (1.0 - fu * fu);
+        let m0 = d0_squared + r2_squared - 1.0;
+        let p = m0 - 2.0 * r2_squared * (1.0 - fu * fu);
         let q = 8.0 * r2_squared * f0 * fu;
-        let r = c * c - p * p - 4.0 * r2_squared * (d0_squared - f0 * f0);
-        Quartic { p, q, r, w: (p / -3.0).max(0.0).sqrt() }
+        let c = m0 * m0 - p * p - 4.0 * r2_squared * (d0_squared - f0 * f0);
+        Quartic { p, q, c, w: (p / -3.0).max(f64x8::ZERO).sqrt() }
     }
-}
 
-/// The s of a ray that misses the donut.
-const MISS: f64 = f64::INFINITY;
+    /// The s of each ray's first hit, or `MISS`. No hit comes before `entry`.
+    ///
+    /// All of the donut is in front of the viewer, so a ray's first hit is where its G first falls to 0. Left
+    /// of -w, G is convex and comes down from infinity, so it falls to 0 at most once there, at s1. If it
+    /// does not, it is not negative at -w; and as it is concave from there to w, and convex after that, it
+    /// falls to 0 at most once, at s3. (s3 may be at -w itself, and may be the first of only two roots.)
+    ///
+    /// Newton's method steps from s to the root of the tangent at s. A step to the right is taken left of -w
+    /// and from w on, a step to the left only between -w and w. Where none is taken, the search stays.
+    /// - *No step passes a root.* A convex curve lies above its tangents. So where G is convex and positive,
+    ///   the tangent falls to 0 before G does, and a step to the right ends before the root or at it, unless
+    ///   it leaves the convex part. A concave curve lies below its tangents, so where G is concave and
+    ///   negative, a step to the left ends before the root or at it as well.
+    /// - *A jump to w skips no s1.* Left of -w, where G rises, it is positive, and being convex, goes on
+    ///   rising up to -w. If a step leads to -w or beyond, the tangent is positive up to there, and G above.
+    /// - *The start at w is safe.* There is no s1 then, so G is not negative at -w. If it is positive at w,
+    ///   it is positive from -w to w, because a concave curve lies above its chords: s3 is further right.
+    ///   Otherwise, s3 is at w or left of it, and G falls at w: it is concave, and not higher there than at
+    ///   -w; or w is 0, and G was positive before. So no step leads right, and the second loop steps left.
+    /// - *A miss skips no s3.* From w on, G falls wherever it is not positive. So where it rises, it is
+    ///   positive, and being convex, goes on rising.
+    /// - *Every search ends.* Far out, G rises, so that no step leads right. To the left, -w is the end.
+    /// - *A graze*, where G touches 0 without becoming negative, may count as a hit or not. (A slope of 0
+    ///   counts as rising.)
+    fn first_hits(&self, entry: f64x8) -> f64x8 {
+        let w = self.w;
 
-/// The s of each ray's first hit, or `MISS`.
-///
-/// All of the donut is in front of the viewer, so a ray's first hit is where its G first falls to 0. Left of
-/// -w, G is convex and comes down from infinity, so it falls to 0 at most once there, at s1. If there is no
-/// s1, G is not negative at -w; and as it is concave from there to w, and convex after that, it falls to 0 at
-/// most once, at s3. (s3 may be at -w itself, and may be the first of only two roots.)
-///
-/// Each search uses Newton's method, which steps from s to the root of the tangent at s:
-/// ```text
-/// s = entry if entry < -w, otherwise w
-/// until the steps are tiny:                                                     step_right
-///     if s < -w, and (G rises at s, or the step leads to -w or beyond): jump to w
-///     otherwise: step right, or stay if the step leads left
-/// if s >= w, and G rises at s: a miss
-/// if s is still w: until the steps are tiny, step left                          step_left
-/// s is the hit: s1 if s < -w, otherwise s3
-/// ```
-///
-/// Here, G also rises where its slope is 0. If G is 0, too, the ray touches the donut without entering it.
-/// This is a graze, which may count as a hit or not.
-///
-/// *No step passes a root.* A convex curve lies above its tangents. So where G is convex and positive, the
-/// tangent falls to 0 before G does, and a step to the right ends before the root or at it, unless it leaves
-/// the convex part, and the search jumps. A concave curve lies below its tangents. So where G is concave and
-/// negative, a step to the left ends before the root or at it as well.
-///
-/// *The start at w is safe.* The search is at w only if there is no s1: either it has jumped there, or the
-/// ray enters at -w or later, and no hit comes before the entry. So G is positive at -w, or it is 0 and falls
-/// there, and then it is negative from there to w, because it is concave. If G is positive at w, it is
-/// therefore positive from -w on, because a concave curve lies above its chords. So s3, if there is one, is
-/// further right, where G is convex. Otherwise s3 is at w or left of it, and G falls at w: if w > 0, because
-/// G is concave, and not higher at w than at -w; and if w = 0, because G is positive on the left and 0 at w
-/// (or this is a graze). So no step leads right: the search is still at w, and steps left.
-///
-/// *A jump skips no s1, and a miss no s3.* A search goes right from an entry, where G is not negative, or
-/// from w, where G is positive, and passes no root. So if G rises at s, it is positive there, and goes on
-/// rising as long as it is convex: up to -w, or for ever. And if a step from the left of -w leads to -w or
-/// beyond, the tangent is positive before -w, and G lies above it.
-///
-/// *Every search ends.* Each jumps at most once, and goes on only after steps longer than TOLERANCE. To the
-/// right, these end because far out G is positive and rises, so that a step would lead left; to the left,
-/// they end at -w.
-fn first_hits<const N: usize>(torus: &Torus, rays: &[Ray; N]) -> [f64; N] {
-    // Each coefficient has an array of its own, so that one instruction loads it for several rays.
-    let [mut p, mut q, mut r, mut w, mut s] = [[0.0; N]; 5];
-    for (i, ray) in rays.iter().enumerate() {
-        Quartic { p: p[i], q: q[i], r: r[i], w: w[i] } = Quartic::new(torus.r2, ray);
-        let entry = torus.entry(ray);
-        s[i] = if entry < -w[i] { entry } else { w[i] };
-    }
-    let quartic = |i: usize| Quartic { p: p[i], q: q[i], r: r[i], w: w[i] };
-    s = repeat(s, |i, s| quartic(i).step_right(s));
+        // To the right: to s1, or from w to s3. A lane that takes no step takes none later, either.
+        let mut s = entry.simd_lt(-w).select(entry, w);
+        let (mut root, slope) = loop {
+            let (root, slope) = self.tangent(s);
+            let jumps = s.simd_lt(-w) & (slope.simd_ge(0.0) | root.simd_ge(-w));
+            let steps = root.simd_gt(s + TOLERANCE);
+            if !(jumps | steps).any() {
+                break (root, slope);
+            }
+            s = jumps.select(w, steps.select(root, s));
+        };
+        let misses = s.simd_ge(w) & slope.simd_ge(0.0);
+        s = misses.select(f64x8::splat(MISS), s);
 
-    // A search is exactly at w only if it was put there and found no step to the right. Mostly, none is.
-    let mut is_any_at_w = false;
-    for i in 0..N {
-        let (_, slope) = quartic(i).tangent(s[i]);
-        s[i] = if s[i] >= w[i] && slope >= 0.0 { MISS } else { s[i] };
-        is_any_at_w |= s[i] == w[i];
-    }
-    if is_any_at_w {
-        s = repeat(s, |i, s| quartic(i).step_left(s));
-    }
-    s
-}
-
-/// Takes one step of every search, again and again, until none goes on. `step` takes search i from its s to
-/// the next, and says whether the search goes on from there.
-fn repeat<const N: usize>(mut s: [f64; N], step: impl Fn(usize, f64) -> (f64, bool)) -> [f64; N] {
-    let mut is_any_moving = true;
-    while is_any_moving {
-        is_any_moving = false;
-        for (i, s_i) in s.iter_mut().enumerate() {
-            let (next, is_moving) = step(i, *s_i);
-            *s_i = next;
-            is_any_moving |= is_moving;
+        // To the left, from w to s3. Only rounding can make a step lead past -w.
+        let mut steps = s.simd_eq(w) & root.simd_lt(s - TOLERANCE);
+        while steps.any() {
+            s = steps.select(root.max(-w), s);
+            (root, _) = self.tangent(s);
+            steps = steps & s.simd_gt(-w) & root.simd_lt(s - TOLERANCE);
         }
+        s
     }
-    s
-}
 
-/// The N searches go on together until none of them takes a step longer than this, in units of R1. Newton's
-/// method converges so fast that little more than rounding error is left then. Only at a graze may the true
-/// hit be further away, but still so near that the luminance is hardly different. Whether a ray within
-/// rounding error of a graze hits there may depend on how many steps the others need.
-const TOLERANCE: f64 = 1e-8;
-
-// For one ray. There are no branches here, so that the compiler can vectorise the loops that call these
-// functions: `&` and `|` evaluate both sides, and each `if` only chooses between two values.
-impl Quartic {
-    /// The root of the tangent at s, which is where Newton's method steps, and the slope of G at s. If the
-    /// slope is 0, the root is infinite or NaN; a search to the right then jumps or ends as a miss, and one
-    /// to the left is at a triple root at -w.
-    fn tangent(&self, s: f64) -> (f64, f64) {
-        let &Quartic { p, q, r, .. } = self;
+    /// The root of the tangent at s, and the slope of G at s. If the slope is 0, the root is infinite or NaN;
+    /// the search then jumps, ends as a miss, or, at a triple root at -w, stays.
+    fn tangent(&self, s: f64x8) -> (f64x8, f64x8) {
+        let &Quartic { p, q, c, .. } = self;
         let base = s * s + p;
         let slope = 4.0 * base * s + q;
-        (s - (base * base + (q * s + r)) / slope, slope)
-    }
-
-    /// Where the search goes from s, and whether it goes on from there.
-    fn step_right(&self, s: f64) -> (f64, bool) {
-        let (root, slope) = self.tangent(s);
-        let jumps = (s < -self.w) & ((slope >= 0.0) | (root >= -self.w));
-        let next = if root > s { root } else { s };
-        (if jumps { self.w } else { next }, jumps | (next - s > TOLERANCE))
-    }
-
-    /// The same for a search between -w and w. A search elsewhere is over, and stays: right of w because
-    /// `s <= w` is false, and left of -w because `next` is further right.
-    fn step_left(&self, s: f64) -> (f64, bool) {
-        let (root, _) = self.tangent(s);
-        // s3 is not left of -w. Only rounding can make a step seem to lead past -w.
-        let next = if root > -self.w { root } else { -self.w };
-        let goes_left = (s <= self.w) & (next < s);
-        (if goes_left { next } else { s }, goes_left & (s - next > TOLERANCE))
+        (s - (base * base + (q * s + c)) / slope, slope)
     }
 }
 

@@ -5,7 +5,14 @@ use super::*;
 /// A renderer that draws as classic does, but with these steps of theta and phi.
 pub fn with_steps(view: View, theta: f64, phi: f64) -> Renderer {
     let mut renderer = Renderer::new(view, Method::Classic);
-    renderer.classic.as_mut().unwrap().tables = [trig_table(theta), trig_table(phi)];
+    let classic = renderer.classic.as_mut().unwrap();
+    classic.thetas = trig_table(theta);
+    let eight = |phis: &[(f32, f32)]| {
+        let lane = |i: usize| phis[i.min(phis.len() - 1)];
+        let [sin, cos] = [array::from_fn(|i| lane(i).0), array::from_fn(|i| lane(i).1)];
+        (f32x8::new(sin), f32x8::new(cos))
+    };
+    classic.phis = trig_table(phi).chunks(8).map(eight).collect();
     renderer
 }
 
@@ -51,11 +58,12 @@ fn luminance_is_multiplied_in_donut_cs_order() {
 #[test]
 fn steps_of_any_size_go_round_the_circle_exactly_once() {
     for step in [0.07, 0.02, 0.01, 0.001, 0.0001] {
-        let (sin, cos) = trig_table(step);
+        let table = trig_table(step);
+        let &(sin, cos) = table.last().unwrap();
         // Between the last angle and a full turn, at most one step is missing, apart from rounding.
-        let left = f64::from(-sin.last().unwrap()).atan2((*cos.last().unwrap()).into());
+        let left = f64::from(-sin).atan2(cos.into());
         assert!(left > 0.0 && left < 1.01 * step, "{step}: {left}");
-        assert!((sin.len() as f64 - TAU / step).abs() < 1.0 + 0.01 * TAU / step, "{step}");
+        assert!((table.len() as f64 - TAU / step).abs() < 1.0 + 0.01 * TAU / step, "{step}");
     }
 }
 

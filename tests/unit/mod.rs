@@ -9,6 +9,7 @@ mod chart;
 mod classic;
 mod dist;
 mod exact;
+mod one_ray;
 mod oracle;
 #[cfg(target_os = "linux")]
 mod panic;
@@ -18,6 +19,7 @@ mod program;
 
 use super::*;
 use angles::FROZEN;
+use one_ray::{Ray, look_in_row};
 use oracle::{Oracle, Verdict, differ, level_of};
 use program::within_a_minute;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -9,6 +9,7 @@ mod picture;
 
 use self::other_methods::*;
 use super::classic::{donut_c, with_steps};
+use super::one_ray::trace_one_by_one;
 use super::*;
 
 /// A method of this program, or another one to compare it with: its name, and how it draws a pose.
@@ -31,19 +32,13 @@ fn own_method(name: &str, mut renderer: Renderer) -> NamedMethod {
     (name.into(), Box::new(draw))
 }
 
-/// A method that differs from exact only in how it finds the hits of N rays.
-fn tracing<const N: usize>(
+/// A method that differs from exact only in how it finds the hits of eight rays.
+fn tracing(
     name: &str,
     view: View,
-    first_hits: impl Fn(&Torus, &[Ray; N]) -> [f64; N] + Send + 'static,
+    first_hits: impl Fn(&Torus, &Rays) -> f64x8 + Send + 'static,
 ) -> NamedMethod {
-    let mut renderer = Renderer::new(view, Method::Exact);
-    let draw = move |a, b| {
-        renderer.framebuffer.fill(b' ');
-        trace(&view, a, b, &mut renderer.framebuffer, &first_hits);
-        renderer.framebuffer.clone()
-    };
-    (name.into(), Box::new(draw))
+    (name.into(), Box::new(move |a, b| trace_eight_by_eight(&view, a, b, &first_hits)))
 }
 
 /// A method that follows one ray after another. `hit` finds the s of a ray's first hit.
@@ -52,7 +47,7 @@ fn ray_by_ray(
     view: View,
     hit: impl Fn(&Torus, &Ray) -> f64 + Send + 'static,
 ) -> NamedMethod {
-    tracing(name, view, move |torus, [ray]| [hit(torus, ray)])
+    (name.into(), Box::new(move |a, b| trace_one_by_one(&view, a, b, &hit)))
 }
 
 /// The pictures in which speed and accuracy are measured: donut.c's own, and a full screen. For each, its
@@ -67,11 +62,14 @@ fn methods(view: View) -> Vec<NamedMethod> {
     let mut methods = vec![
         own_method("classic x1", Renderer::new(view, Method::Classic)),
         own_method("exact", Renderer::new(view, Method::Exact)),
-        tracing("exact one ray at a time", view, first_hits::<1>),
-        ray_by_ray("closed form f64", view, closed_form),
-        ray_by_ray("Newton", view, newton_once),
-        ray_by_ray("Ferrari f32", view, move |torus, ray| textbook_f32(torus, view.k2, ray)),
-        ray_by_ray("Ferrari f64", view, move |torus, ray| textbook_f64(torus, view.k2, ray)),
+        ray_by_ray("exact one ray at a time", view, |torus, ray| {
+            ray.first_hit(ray.entry(torus.r2))
+        }),
+        tracing("closed form f64", view, closed_form),
+        ray_by_ray("closed form one ray at a time", view, |_, ray| closed_form_alone(ray)),
+        tracing("Newton", view, newton_once),
+        tracing("Ferrari f32", view, move |torus, rays| textbook_f32(torus, view.k2, rays)),
+        tracing("Ferrari f64", view, move |torus, rays| textbook_f64(torus, view.k2, rays)),
     ];
     for (name, factor) in [("x4", 4.0), ("x2", 2.0), ("x1/2", 0.5), ("x1/4", 0.25)] {
         let renderer = with_steps(view, steps[0] * factor, steps[1] * factor);
@@ -118,10 +116,10 @@ fn compared_methods(view: View) -> Vec<NamedMethod> {
     let mut methods = vec![
         own_method("donut.c's steps", with_steps(view, 0.07, 0.02)),
         tracing("Sphere tracing", view, sphere_tracing(64)),
-        ray_by_ray("Newton", view, newton_once),
-        ray_by_ray("Ferrari, f32", view, move |torus, ray| textbook_f32(torus, view.k2, ray)),
-        ray_by_ray("Ferrari, f64", view, move |torus, ray| textbook_f64(torus, view.k2, ray)),
-        ray_by_ray("Closed form, f64", view, closed_form),
+        tracing("Newton", view, newton_once),
+        tracing("Ferrari, f32", view, move |torus, rays| textbook_f32(torus, view.k2, rays)),
+        tracing("Ferrari, f64", view, move |torus, rays| textbook_f64(torus, view.k2, rays)),
+        tracing("Closed form, f64", view, closed_form),
         own_method("Exact", Renderer::new(view, Method::Exact)),
     ];
     let classic = || own_method("Classic", Renderer::new(view, Method::Classic));
@@ -197,14 +195,6 @@ fn drift() -> Vec<(f64, f64)> {
     errors
 }
 
-/// The figures in the row of a table that begins with this name.
-fn row<'a>(table: &'a str, separator: char, name: &str) -> Vec<&'a str> {
-    let cells = |line: &'a str| line.trim_matches(separator).split(separator).map(str::trim);
-    let mut rows = table.lines().map(|line| cells(line).collect::<Vec<_>>());
-    let row = rows.find(|row| row[0] == name).unwrap_or_else(|| panic!("no row {name:?}"));
-    row[1..].to_vec()
-}
-
 /// The figures of a method in TABLE, in the order of its columns.
 fn measured(size: &str, method: &str) -> Vec<f64> {
     let (table, name) = (read(TABLE), format!("{size},{method},"));
@@ -251,7 +241,10 @@ fn measure_and_write_the_table_and_the_charts() {
     }
 }
 
+/// Rounding decides which cells an unstable method gets wrong, and not all systems round sines and cosines
+/// alike. So what is stored holds on one of them, and this test and the next two run only there.
 #[test]
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 fn the_pictures_and_the_table_of_the_drift_are_up_to_date() {
     for (name, contents) in derived_files() {
         assert!(contents.len() < 400_000, "{name} is too much for a page to load");
@@ -260,6 +253,7 @@ fn the_pictures_and_the_table_of_the_drift_are_up_to_date() {
 }
 
 #[test]
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 fn the_table_has_the_wrong_cells() {
     for (size, name, columns) in wrong_cells() {
         let counts = measured(size, &name).into_iter().skip(1).map(|count| count.to_string());
@@ -271,15 +265,22 @@ fn the_table_has_the_wrong_cells() {
 
 /// Only the numbers are checked. The names of the rows and of the columns tell which number is which.
 #[test]
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 fn the_studys_table_has_the_wrong_cells_where_methods_fail() {
     let study = read(STUDY).replace('`', "");
-    let columns = row(&study, '|', "method");
+    let cells = |line| str::trim_matches(line, '|').split('|').map(str::trim).collect();
+    let rows: Vec<Vec<_>> = study.lines().map(cells).collect();
+    let row = |name: &str| {
+        let row = rows.iter().find(|row| row[0] == name);
+        row.unwrap_or_else(|| panic!("the study has no row {name:?}"))
+    };
+    let columns = row("method");
     let mut stale = Vec::new();
     for (scene, view, poses) in scenes() {
         let column = columns.iter().position(|&name| name == scene);
         let column = column.unwrap_or_else(|| panic!("the study has no column {scene:?}"));
         let mut check = |name: &str, current: String| {
-            let figure = row(&study, '|', name)[column];
+            let figure = row(name)[column];
             if figure != current {
                 stale.push(format!("{name} ({scene}): {current}, not {figure}"));
             }

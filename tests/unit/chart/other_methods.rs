@@ -1,45 +1,65 @@
 //! Other ways to find what a ray hits first, to compare with the program's own. They use its rays and its
-//! shading, in f64. Those whose times the chart compares should not be slow for no reason, so sphere tracing
-//! follows RAYS rays side by side, as exact does.
+//! shading, in f64. So that their times can be compared, they follow eight rays side by side, as it does, and
+//! leave out what none of the eight needs.
 
 use crate::tests::*;
 
-const RAYS: usize = 16;
+/// Draws as `exact` does, but `first_hits` finds the hits of eight rays.
+pub fn trace_eight_by_eight(
+    view: &View,
+    a: f64,
+    b: f64,
+    first_hits: impl Fn(&Torus, &Rays) -> f64x8,
+) -> Vec<u8> {
+    let &View { r2, k2, width, cx, cy, k1x, k1y, .. } = view;
+    let torus = Torus::new(r2, a, b);
+    let mut framebuffer = vec![b' '; width * view.height];
+    let outline_radius = outline_radius(r2, k2);
+    for (row, line) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
+        let dy = (row as f64 + 0.5 - cy) / k1y;
+        let half_width = (outline_radius * outline_radius - dy * dy).max(0.0).sqrt() * k1x;
+        let (start, end) = ((cx - half_width) as usize, (cx + half_width) as usize + 1);
+        for (n, cells) in line[start..end.min(width)].chunks_mut(8).enumerate() {
+            let first = (start + 8 * n) as f64;
+            let x = first + f64x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
+            let rays = torus.rays((x - cx) / k1x, dy, k2);
+            let hits = first_hits(&torus, &rays);
+            let luminances = (torus.luminance(&rays, hits) + TIE_BIAS).to_array();
+            for ((cell, hit), luminance) in cells.iter_mut().zip(hits.to_array()).zip(luminances) {
+                if hit < MISS {
+                    *cell = glyph(luminance);
+                }
+            }
+        }
+    }
+    framebuffer
+}
 
 /// Sphere tracing, in f32, from the sphere round the donut. Each step along the ray is as long as the
 /// distance to the surface, so it cannot pass the surface. A ray has hit when the distance is at most a
 /// tolerance. If that is small, more rays run out of steps before they hit; if it is large, more rays stop
 /// beside an outline that they should pass. `1 / most_steps^2` is a compromise.
-pub fn sphere_tracing(most_steps: usize) -> impl Fn(&Torus, &[Ray; RAYS]) -> [f64; RAYS] {
+pub fn sphere_tracing(most_steps: usize) -> impl Fn(&Torus, &Rays) -> f64x8 {
     let tolerance = (most_steps as f32).powi(-2);
     move |torus, rays| {
         let r2 = torus.r2 as f32;
-        let d0_squared = rays.map(|ray| ray.d0_squared as f32);
-        let (f0, fu) = (rays.map(|ray| ray.f0 as f32), rays.map(|ray| ray.fu as f32));
-        let half = d0_squared.map(|square| ((1.0 + r2) * (1.0 + r2) - square).max(0.0).sqrt());
-        let (mut s, mut distance) = (half.map(|half| -half), [f32::INFINITY; RAYS]);
+        let [d0_squared, f0, fu] = [rays.d0_squared, rays.f0, rays.fu]
+            .map(|numbers| f32x8::new(numbers.to_array().map(|number| number as f32)));
+        let half = ((1.0 + r2) * (1.0 + r2) - d0_squared).fast_max(f32x8::ZERO).sqrt();
+        let (mut s, mut distance) = (-half, f32x8::ZERO);
         for _ in 0..most_steps {
-            let mut running = false;
-            for i in 0..RAYS {
-                let f = f0[i] + s[i] * fu[i];
-                let h = (d0_squared[i] + s[i] * s[i] - f * f).max(0.0).sqrt();
-                distance[i] = ((h - r2) * (h - r2) + f * f).sqrt() - 1.0;
-                let open = (distance[i] > tolerance) & (s[i] < half[i]);
-                s[i] += if open { distance[i] } else { 0.0 };
-                running |= open;
-            }
-            if !running {
+            let f = f0 + s * fu;
+            let h = (d0_squared + s * s - f * f).fast_max(f32x8::ZERO).sqrt();
+            distance = ((h - r2) * (h - r2) + f * f).sqrt() - 1.0;
+            let steps = distance.simd_gt(tolerance) & s.simd_lt(half);
+            if !steps.any() {
                 break;
             }
+            s += steps.select(distance, f32x8::ZERO);
         }
-        std::array::from_fn(|i| if distance[i] <= tolerance { s[i].into() } else { MISS })
+        let hits = distance.simd_le(tolerance).select(s, f32x8::splat(f32::INFINITY));
+        f64x8::new(hits.to_array().map(f64::from))
     }
-}
-
-/// The coefficients of `s^4 + p s^2 + q s + r`, which is the program's G multiplied out.
-fn plain_quartic(torus: &Torus, ray: &Ray) -> [f64; 3] {
-    let Quartic { p, q, r, .. } = Quartic::new(torus.r2, ray);
-    [2.0 * p, q, p * p + r]
 }
 
 /// The closed form: the first root of G(s) = 0 by Ferrari's solution. It writes G as a product, which is
@@ -54,8 +74,39 @@ fn plain_quartic(torus: &Torus, ray: &Ray) -> [f64; 3] {
 ///
 /// With `y = v - 2/3 p` the resolvent becomes `v^3 - 3 m v - 2 n = 0`. If this has three roots, the
 /// largest is found by a cosine. If it has one, the root is found by Cardano's formula.
-pub fn closed_form(torus: &Torus, ray: &Ray) -> f64 {
-    let [p, q, r] = plain_quartic(torus, ray);
+pub fn closed_form(torus: &Torus, rays: &Rays) -> f64x8 {
+    let Quartic { p, q, c, .. } = Quartic::new(torus.r2, rays);
+    let (p, r) = (2.0 * p, p * p + c);
+    let m = (p * p + 12.0 * r) / 9.0;
+    let n = p * p * p / 27.0 - 4.0 / 3.0 * p * r + q * q / 2.0;
+    let discriminant = n * n - m * m * m;
+    let (three, mut v) = (discriminant.simd_lt(0.0), f64x8::ZERO);
+    if three.any() {
+        let root = m.sqrt();
+        let ratio = (n / (m * root)).clamp(-f64x8::ONE, f64x8::ONE);
+        v = 2.0 * root * (ratio.acos() / 3.0).cos();
+    }
+    if !three.all() {
+        let t = (n + discriminant.sqrt().copysign(n)).cbrt();
+        v = three.select(v, t.simd_eq(0.0).select(t, t + m / t));
+    }
+    let y = (v - 2.0 / 3.0 * p).max(f64x8::ZERO);
+    let alpha = y.sqrt();
+    // This is gamma - beta. Where alpha is almost 0, so is q, and rounding spoils q / alpha. There, it is
+    // the square root of (beta + gamma)^2 - 4 beta gamma, with beta + gamma = p + y and beta gamma = r.
+    let safe = ((p + y) * (p + y) - 4.0 * r).max(f64x8::ZERO).sqrt().copysign(q);
+    let apart = y.simd_lt(p.abs() / 8.0).select(safe, q / alpha);
+    // The discriminants of the two factors: alpha^2 - 4 beta and alpha^2 - 4 gamma. A factor with a negative
+    // one has no roots: its square root is NaN, which `min` ignores.
+    let (first, second) = (2.0 * (apart - p) - y, -2.0 * (apart + p) - y);
+    let root = first.simd_ge(0.0).select(-alpha - first.sqrt(), alpha - second.sqrt());
+    (root / 2.0).min(f64x8::splat(MISS))
+}
+
+/// The closed form, for one ray.
+pub fn closed_form_alone(ray: &Ray) -> f64 {
+    let &Ray { p, q, c, .. } = ray;
+    let (p, r) = (2.0 * p, p * p + c);
     let m = (p * p + 12.0 * r) / 9.0;
     let n = p * p * p / 27.0 - 4.0 / 3.0 * p * r + q * q / 2.0;
     let discriminant = n * n - m * m * m;
@@ -68,15 +119,11 @@ pub fn closed_form(torus: &Torus, ray: &Ray) -> f64 {
     };
     let y = (v - 2.0 / 3.0 * p).max(0.0);
     let alpha = y.sqrt();
-    // This is gamma - beta. Where alpha is almost 0, so is q, and rounding spoils q / alpha. There, it is
-    // the square root of (beta + gamma)^2 - 4 beta gamma, with beta + gamma = p + y and beta gamma = r.
     let apart = if y < p.abs() / 8.0 {
         ((p + y) * (p + y) - 4.0 * r).max(0.0).sqrt().copysign(q)
     } else {
         q / alpha
     };
-    // The discriminants of the two factors: alpha^2 - 4 beta and alpha^2 - 4 gamma. A factor with a negative
-    // one has no roots: its square root is NaN, which `min` ignores.
     let (first, second) = (2.0 * (apart - p) - y, -2.0 * (apart + p) - y);
     let root = if first >= 0.0 { -alpha - first.sqrt() } else { alpha - second.sqrt() };
     f64::min(root / 2.0, MISS)
@@ -84,19 +131,21 @@ pub fn closed_form(torus: &Torus, ray: &Ray) -> f64 {
 
 /// Newton's method with a single start: the point where the ray enters the sphere round the donut. The ray
 /// misses if the search ends outside the sphere, or takes more than 64 steps.
-pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
+pub fn newton_once(torus: &Torus, rays: &Rays) -> f64x8 {
     let radius = 1.0 + torus.r2;
-    let half = (radius * radius - ray.d0_squared).max(0.0).sqrt();
-    let ([p, q, r], mut s) = (plain_quartic(torus, ray), -half);
+    let half = (radius * radius - rays.d0_squared).max(f64x8::ZERO).sqrt();
+    let quartic = Quartic::new(torus.r2, rays);
+    let (mut s, mut step) = (-half, f64x8::splat(MISS));
     for _ in 0..64 {
-        let slope = (4.0 * s * s + 2.0 * p) * s + q;
-        let step = (((s * s + p) * s + q) * s + r) / slope;
-        s -= step;
-        if step.abs() <= TOLERANCE {
-            return if s.abs() <= half { s } else { MISS };
+        let steps = step.abs().simd_gt(1e-8);
+        if !steps.any() {
+            break;
         }
+        step = steps.select(quartic.tangent(s).0 - s, step);
+        s = steps.select(s + step, s);
     }
-    MISS
+    let hits = step.abs().simd_le(1e-8) & s.abs().simd_le(half);
+    hits.select(s, f64x8::splat(MISS))
 }
 
 /// The textbook's solution, in f32 or in f64: the formulas of `closed_form`, without its precautions against
@@ -108,10 +157,11 @@ pub fn newton_once(torus: &Torus, ray: &Ray) -> f64 {
 /// Here f is the viewer's height above the plane of the ring, t0 is the distance from the viewer to
 /// P0, the point of the ray nearest to the donut's centre, and k is `K2^2 + R2^2 - 1`.
 macro_rules! textbook {
-    ($name:ident, $float:ident) => {
-        pub fn $name(torus: &Torus, k2: f64, &Ray { d0_squared, fu, .. }: &Ray) -> f64 {
-            let (t0, f) = ((k2 * k2 - d0_squared).sqrt(), -k2 * torus.axis[2]);
-            let [t0, f, fu, k2, r2] = [t0, f, fu, k2, torus.r2].map(|value| value as $float);
+    ($name:ident, $float:ident, $lanes:ident) => {
+        pub fn $name(torus: &Torus, k2: f64, rays: &Rays) -> f64x8 {
+            let [t0, fu] = [(k2 * k2 - rays.d0_squared).sqrt(), rays.fu]
+                .map(|numbers| $lanes::new(numbers.to_array().map(|number| number as $float)));
+            let [f, k2, r2] = [-k2 * torus.axis[2], k2, torus.r2].map(|number| number as $float);
             let four_r2_r2 = 4.0 * r2 * r2;
             // t^4 + a t^3 + b t^2 + c t + d
             let k = k2 * k2 + r2 * r2 - 1.0;
@@ -128,23 +178,29 @@ macro_rules! textbook {
             let m = (p * p + 12.0 * r) / 9.0;
             let n = p * p * p / 27.0 - 4.0 / 3.0 * p * r + q * q / 2.0;
             let discriminant = n * n - m * m * m;
-            let v = if discriminant < 0.0 {
-                2.0 * m.sqrt() * ((n / (m * m.sqrt())).acos() / 3.0).cos()
-            } else {
-                (n + discriminant.sqrt()).cbrt() + (n - discriminant.sqrt()).cbrt()
-            };
+            let (three, mut v) = (discriminant.simd_lt(0.0), $lanes::ZERO);
+            if three.any() {
+                v = 2.0 * m.sqrt() * ((n / (m * m.sqrt())).acos() / 3.0).cos();
+            }
+            if !three.all() {
+                let root = discriminant.sqrt();
+                v = three.select(v, (n + root).cbrt() + (n - root).cbrt());
+            }
             let y = v - 2.0 / 3.0 * p;
             let alpha = y.sqrt();
-            // The square roots of the factors' discriminants: NaN where a factor has no roots. The
-            // filter below drops these, because NaN is not above 0.
+            // The square roots of the factors' discriminants: NaN where a factor has no roots. These are
+            // dropped below, because NaN is not above 0.
             let [first, second] =
                 [q / alpha, -q / alpha].map(|apart| (2.0 * (apart - p) - y).sqrt());
             let roots = [-alpha - first, first - alpha, alpha - second, second + alpha];
-            let ts = roots.into_iter().map(|root| root / 2.0 - a / 4.0).filter(|&t| t > 0.0);
-            (ts.fold($float::INFINITY, $float::min) - t0).into()
+            let miss = $lanes::splat($float::INFINITY);
+            let ts = roots.map(|root| root / 2.0 - a / 4.0);
+            let first =
+                ts.into_iter().fold(miss, |first, t| t.simd_gt(0.0).select(t, miss).min(first));
+            f64x8::new((first - t0).to_array().map(Into::into))
         }
     };
 }
 
-textbook!(textbook_f32, f32);
-textbook!(textbook_f64, f64);
+textbook!(textbook_f32, f32, f32x8);
+textbook!(textbook_f64, f64, f64x8);
