@@ -72,11 +72,11 @@
 //! the cell, and the cell shows the first point of the donut that the ray hits.
 //!
 //! Both methods work on eight samples or rays at a time, in vector instructions. A value of the types `f32x8`
-//! and `f64x8`, from the crate wide, is eight numbers, its *lanes*. A formula is written as for one number
-//! and computed in every lane, without hoping for the optimiser, and each lane rounds as a single number
-//! does; otherwise `classic` could not match byte for byte. A plain number counts in every lane. A comparison
-//! gives a mask: `mask.select(x, y)` is x in the lanes where the comparison is true and y in the others, and
-//! `mask.any()` says whether it is true in any.
+//! and `f64x8`, from the crate wide, is eight numbers, its *lanes*. A formula reads as if for one number and
+//! is computed in every lane, without hoping for the optimiser. Each lane rounds as a single number would;
+//! otherwise, `classic` could not match byte for byte. A plain number stands for itself in every lane. A
+//! comparison gives a mask: `mask.select(x, y)` is x in the lanes where the comparison is true and y in the
+//! others, and `mask.any()` says whether it is true in any.
 //!
 //! Below are the view, the drawing, the two methods, the options, the loop, and last the terminal.
 //!
@@ -84,24 +84,26 @@
 
 use std::io::{self, IsTerminal, Write};
 use std::ops::RangeInclusive;
-use std::sync::{Arc, atomic::AtomicBool, atomic::Ordering::SeqCst, mpsc};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
+use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
-use std::{array, env, fs, panic, process, thread};
+use std::{array, env, panic, process, thread};
 
-use clap::error::ErrorKind;
-use clap::{CommandFactory, Parser, ValueEnum, ValueHint, value_parser};
+use clap::{CommandFactory, Parser, ValueEnum, ValueHint, error::ErrorKind, value_parser};
 use crossterm::event::{self, Event, KeyCode, KeyModifiers};
 use crossterm::style::{self, Color};
 use crossterm::{cursor, execute, queue, terminal};
 use wide::{f32x8, f64x8};
 
-#[cfg(windows)]
-use std::os::windows::io::AsHandle;
 #[cfg(unix)]
 use {
-    rustix::{process as job, stdio, termios},
-    signal_hook::consts::{SIGHUP, SIGQUIT, SIGTERM},
-    signal_hook::{flag, iterator::Signals, low_level},
+    rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl},
+    rustix::process::{Signal, getpgrp, kill_current_process_group},
+    rustix::stdio,
+    rustix::termios::{self, LocalModes, OptionalActions, OutputModes, SpecialCodeIndex as Key},
+    signal_hook::consts::{SIGCONT, SIGHUP, SIGQUIT, SIGTERM},
+    signal_hook::{flag, low_level},
+    std::fs::File,
 };
 
 // ---- View ----------------------------------------------------------------------------------------
@@ -154,7 +156,7 @@ impl View {
 /// How large the donut can look: the radius of the outline of its bounding sphere, on a screen at the
 /// distance 1. However the donut is rotated, it just fits into this sphere, whose radius is R1 + R2.
 /// A ray to the outline touches the sphere, at a right angle to the sphere's radius there. So this is the
-/// tangent of an angle of a right triangle, whose hypotenuse, from the viewer to the centre, is K2.
+/// tangent of an angle of the right triangle whose hypotenuse, from the viewer to the centre, is K2.
 fn outline_radius(r2: f64, k2: f64) -> f64 {
     let sphere_radius = 1.0 + r2;
     sphere_radius / (k2 * k2 - sphere_radius * sphere_radius).sqrt()
@@ -206,8 +208,8 @@ impl Renderer {
     }
 
     /// The angles A and B of the next frame. donut.c keeps its angles in variables of type `float`, so each
-    /// of its sums is rounded, and the errors add up, until a step no longer changes so large an angle, and
-    /// the donut stands still. `classic` has to make the very same errors.
+    /// sum is rounded, and the errors add up. In the end, the angles are so large that a step no longer
+    /// changes them, and the donut stands still. `classic` has to make the very same errors.
     fn advance(&self, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| match self.classic {
             Some(_) => add_step(angles[i] as f32, spin[i]).into(),
@@ -238,13 +240,13 @@ impl Renderer {
             bytes.push(b'\n'); // In place of column 0.
             bytes.extend_from_slice(&row[1..]);
         }
-        bytes.push(b'\n');
         if color.is_some() {
             queue!(bytes, style::ResetColor)?;
         }
         if is_terminal {
             queue!(bytes, terminal::EndSynchronizedUpdate)?;
         }
+        bytes.push(b'\n'); // Last, because `io::stdout` keeps what comes after it for the next write.
         Ok(bytes)
     }
 }
@@ -319,8 +321,8 @@ impl Classic {
 
 /// donut.c's steps of theta and phi, or shorter ones for a larger picture. Where donut.c's donut is nearest
 /// to the viewer, its samples are about a cell apart, and leave almost no gaps. If K1 is n times donut.c's,
-/// each step is divided by n, so that they stay so. If the cells have another shape, K1 in columns and K1 in
-/// rows are different multiples of donut.c's, and n is the larger one.
+/// each step is divided by n, to keep them so (with donut.c's R2 and K2). If the cells have another shape, K1
+/// in columns and K1 in rows are different multiples of donut.c's, and n is the larger one.
 fn angle_steps(view: &View) -> [f64; 2] {
     let n = f64::max(view.k1x / View::DONUT_C.k1x, view.k1y / View::DONUT_C.k1y).max(1.0);
     [0.07 / n, 0.02 / n]
@@ -504,8 +506,8 @@ const TOLERANCE: f64 = 1e-14;
 impl Quartic {
     /// Let h be the distance of P from the axis. The square of its distance from the ring is (h - R2)^2 +
     /// f^2: 1 on the surface, more outside, and less inside. So G can be (h - R2)^2 + f^2 - 1 times anything
-    /// positive, such as (h + R2)^2 + f^2 - 1, which is positive because R2 > 1. The product has only h^2, a
-    /// polynomial in s. With m = h^2 + f^2 + R2^2 - 1 = |P|^2 + R2^2 - 1:
+    /// positive, such as (h + R2)^2 + f^2 - 1, which is positive because R2 > 1. In the product, h appears
+    /// only as h^2, a polynomial in s. With m = h^2 + f^2 + R2^2 - 1 = |P|^2 + R2^2 - 1:
     /// ```text
     /// G = (m - 2 R2 h) (m + 2 R2 h) = m^2 - 4 R2^2 h^2 = m^2 - 4 R2^2 (|P|^2 - f^2)
     ///   = (s^2 + m0)^2 - 4 R2^2 (d0^2 + s^2 - (f0 + fu s)^2)     where m0 = d0^2 + R2^2 - 1
@@ -530,23 +532,23 @@ impl Quartic {
     /// does not, it is not negative at -w; and as it is concave from there to w, and convex after that, it
     /// falls to 0 at most once, at s3. (s3 may be at -w itself, and may be the first of only two roots.)
     ///
-    /// Newton's method steps from s to the root of the tangent at s. A step to the right is taken left of -w
-    /// and from w on, a step to the left only between -w and w. Where none is taken, the search stays.
+    /// Newton's method steps from s to the root of the tangent at s. Left of -w and from w on, only steps to
+    /// the right are taken, and then, from w down to -w, only steps to the left.
     /// - *No step passes a root.* A convex curve lies above its tangents. So where G is convex and positive,
     ///   the tangent falls to 0 before G does, and a step to the right ends before the root or at it, unless
     ///   it leaves the convex part. A concave curve lies below its tangents, so where G is concave and
     ///   negative, a step to the left ends before the root or at it as well.
-    /// - *A jump to w skips no s1.* Left of -w, where G rises, it is positive, and being convex, goes on
-    ///   rising up to -w. If a step leads to -w or beyond, the tangent is positive up to there, and G above.
-    /// - *The start at w is safe.* There is no s1 then, so G is not negative at -w. If it is positive at w,
-    ///   it is positive from -w to w, because a concave curve lies above its chords: s3 is further right.
-    ///   Otherwise, s3 is at w or left of it, and G falls at w: it is concave, and not higher there than at
-    ///   -w; or w is 0, and G was positive before. So no step leads right, and the second loop steps left.
-    /// - *A miss skips no s3.* From w on, G falls wherever it is not positive. So where it rises, it is
+    /// - *A jump to w skips no s1.* No step passes s1, so where the search finds G rising, G is positive, and
+    ///   being convex, rises up to -w. If a step leads to -w or beyond, the tangent is positive, and so is G.
+    /// - *The start at w is safe.* The search is at w only if there is no s1, so G is not negative at -w. If
+    ///   G is positive at w, it is positive from -w to w, because a concave curve lies above its chords: s3
+    ///   is further right. Otherwise, s3 is at w or left of it, and G falls at w: it is strictly concave, and
+    ///   not higher there than at -w; or w is 0, and G was positive before. So only the second loop moves.
+    /// - *A miss skips no s3.* From w on, the search finds G positive or falling. So where G rises, it is
     ///   positive, and being convex, goes on rising.
-    /// - *Every search ends.* Far out, G rises, so that no step leads right. To the left, -w is the end.
-    /// - *A graze*, where G touches 0 without becoming negative, may count as a hit or not. (A slope of 0
-    ///   counts as rising.)
+    /// - *Every search ends.* Every step is longer than TOLERANCE. Far out, G is positive and rises, so that
+    ///   no step leads right. To the left, -w is the end.
+    /// - *A graze*, where G only touches 0, may count as a hit or not. (A slope of 0 counts as rising.)
     fn first_hits(&self, entry: f64x8) -> f64x8 {
         let w = self.w;
 
@@ -592,14 +594,13 @@ impl Quartic {
 /// pipe or a file, each frame is written as donut.c writes it, escape codes
 /// included. The size is then 80x22 unless you set another, and the donut spins
 /// until you press Ctrl-C or the reader of the pipe goes away, or for as many
-/// frames as --frames says. With another --aspect, --r2 or --k2 than donut.c's,
-/// the donut is ray-traced at 80x22, too.
+/// frames as --frames says.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
-// A later option overrides an earlier one, e.g. from `alias donut='donut --color cyan'`. A negative number is
-// a value, even where it is refused. (For clap, -1e-3 and -1,2 are no numbers, so the angles need more than
-// this.) Completions must not offer file names as values.
+// A later option overrides an earlier one, such as one from `alias donut='donut --color cyan'`.
 #[command(args_override_self = true)]
+// A negative number is a value, even where it is refused. (For clap, -1e-3 and -1,2 are no numbers, so the
+// angles also allow hyphens.) Completions must not offer file names as values.
 #[command(mut_args(|option| option.allow_negative_numbers(true).value_hint(ValueHint::Other)))]
 struct Options {
     /// Frames per second; 0 means no limit
@@ -671,8 +672,7 @@ struct Options {
     /// Height of a cell divided by its width [default: the
     /// terminal's, or 2]
     ///
-    /// From 0.1 to 10. A cell is the place of one character. By default, it
-    /// has the shape that the terminal says, if it does.
+    /// From 0.1 to 10. A cell is the place of one character.
     #[arg(long, help_heading = "Size", value_name = "RATIO", verbatim_doc_comment)]
     #[arg(value_parser = within(ASPECTS))]
     aspect: Option<f64>,
@@ -682,28 +682,26 @@ struct Options {
     /// From 1.01 to 30. The ring is the circle in the middle of the tube, all
     /// round the hole.
     #[arg(long, help_heading = "Geometry", value_name = "R", verbatim_doc_comment)]
-    // Beyond these, the hole or the tube is too small to see in most pictures.
-    #[arg(default_value = "2", value_parser = within(1.01..=30.0))]
+    #[arg(default_value_t = View::DONUT_C.r2, value_parser = within(R2S))]
     r2: f64,
 
     /// Distance to the donut's centre, in tube radii
+    /// [default: 5 (1 + R) / 3, where R is --r2]
     ///
-    /// At least 1.001 times the sum of 1 and --r2, rounded up to six
-    /// decimals, and at most 1000000. Except in donut.c's own picture, the
-    /// donut is scaled so that no pose is cut off. So a greater distance
-    /// flattens the perspective, and makes few poses less high or wide. From
-    /// very near, most poses look small, to leave room for the one that comes
-    /// nearest to you.
+    /// At least 1.01 more than --r2, and at most 1000000. The donut is scaled
+    /// to fit, so a greater distance flattens the perspective.
     #[arg(long, help_heading = "Geometry", value_name = "D", verbatim_doc_comment)]
-    #[arg(default_value = "5")]
-    k2: f64,
+    #[arg(value_parser = within(K2S))]
+    k2: Option<f64>,
 }
 
 const AFTER_HELP: &str = "Keys:
   q, Esc, Ctrl-C  quit
   p               pause or resume
+  arrow keys      turn the donut
   space           turn the shading off or on
-  Ctrl-Z          suspend
+  Ctrl-L          draw the screen again
+  Ctrl-Z          suspend (not on Windows)
 
 Examples:
   donut --fps 60 --spin 0.02,0.01   # smoother, at the same speed
@@ -712,6 +710,11 @@ Examples:
 const MAX_SIZE: u16 = 4096;
 const ANGLES: RangeInclusive<f64> = -1e3..=1e3;
 const ASPECTS: RangeInclusive<f64> = 0.1..=10.0;
+// Beyond these, the hole or the tube is too small to see in most pictures.
+const R2S: RangeInclusive<f64> = 1.01..=30.0;
+const K2S: RangeInclusive<f64> = *R2S.start() + NEAREST..=1e6;
+/// The least distance from the viewer to the ring when the donut is edge-on, where R1 is 1.
+const NEAREST: f64 = 1.01;
 
 /// A parser for the numbers in a range.
 fn within(range: RangeInclusive<f64>) -> impl Fn(&str) -> Result<f64, String> + Clone {
@@ -742,39 +745,47 @@ fn parse_color(text: &str) -> Result<Color, String> {
 }
 
 impl Options {
+    /// By default, the viewer is as far away as in donut.c, compared with the size of the donut.
+    fn k2(&self) -> f64 {
+        self.k2.unwrap_or(View::DONUT_C.k2 * (1.0 + self.r2) / (1.0 + View::DONUT_C.r2))
+    }
+
     /// What is wrong with --k2 or --method, whose rules depend on other options.
     fn conflict(&self) -> Option<String> {
-        let &Options { method, r2, k2, .. } = self;
-        // 1.001 times 1 + R2, from where a donut seen edge-on fills 175 degrees of the view. It is rounded up
-        // to six decimals, so that a user can type what the message shows.
-        let least = (1.001e6 * (1.0 + r2)).ceil() / 1e6;
-        if !(least..=1e6).contains(&k2) {
-            let rule = "1.001 times the sum of 1 and --r2";
-            Some(format!("--k2 is {k2}, but must be from {least} ({rule}) to 1000000"))
-        } else if method == Some(Method::Classic) && (r2, k2) != (2.0, 5.0) {
+        let (r2, k2) = (self.r2, self.k2());
+        let View { r2: own_r2, k2: own_k2, .. } = View::DONUT_C;
+        // The difference of two decimals may be a little too small.
+        if k2 - r2 < NEAREST - 1e-9 {
+            Some(format!(
+                "--k2 must be at least {NEAREST} more than --r2, but these are {k2} and {r2}"
+            ))
+        } else if self.method == Some(Method::Classic) && (r2, k2) != (own_r2, own_k2) {
             // With other lengths, the steps of `classic` may be too long: see `angle_steps`.
-            Some(format!("--method classic needs --r2 2 and --k2 5, but these are {r2} and {k2}"))
+            Some(format!(
+                "--method classic needs --r2 {own_r2} and --k2 {own_k2}, not {r2} and {k2}"
+            ))
         } else {
             None
         }
     }
 
-    /// A renderer for a picture of the size that the options ask for. `window` is the terminal's columns and
-    /// rows, which limit that size, and the aspect of its cells; or `None` without a terminal.
-    fn renderer(&self, window: Option<(u16, u16, f64)>) -> Renderer {
-        let (columns, rows, cell_aspect) = window.unwrap_or((80, 24, 2.0));
+    /// A renderer for a picture of the size that the options ask for. A window limits the size.
+    fn renderer(&self, window: Option<Window>) -> Renderer {
+        let Window { columns, rows, aspect } = window.unwrap_or(USUAL_WINDOW);
         // One row stays free above the picture, and one below it.
         let rows = rows.saturating_sub(2).max(1);
-        let (most_columns, most_rows) = window.map_or((MAX_SIZE, MAX_SIZE), |_| (columns, rows));
-        // A terminal may be larger than the largest picture.
-        let width = self.width.unwrap_or(columns).min(most_columns).min(MAX_SIZE).into();
-        let height = self.height.unwrap_or(rows).min(most_rows).min(MAX_SIZE).into();
-        // donut.c's own picture is the same in every font.
-        let is_donut_cs = (width, height, self.r2, self.k2) == (80, 22, 2.0, 5.0);
-        let aspect = self.aspect.unwrap_or(if is_donut_cs { 2.0 } else { cell_aspect });
-        let view = View::new(width, height, aspect, self.r2, self.k2);
-        let default = if view == View::DONUT_C { Method::Classic } else { Method::Exact };
-        Renderer::new(view, self.method.unwrap_or(default))
+        let size = |given: Option<u16>, all: u16| {
+            let most = if window.is_some() { all.min(MAX_SIZE) } else { MAX_SIZE };
+            usize::from(given.unwrap_or(all).min(most))
+        };
+        let (width, height) = (size(self.width, columns), size(self.height, rows));
+        let view = |aspect| View::new(width, height, aspect, self.r2, self.k2());
+        // donut.c's own picture is the same in every font, unless --aspect is given.
+        let default_aspect =
+            if view(View::ASPECT) == View::DONUT_C { View::ASPECT } else { aspect };
+        let view = view(self.aspect.unwrap_or(default_aspect));
+        let default_method = if view == View::DONUT_C { Method::Classic } else { Method::Exact };
+        Renderer::new(view, self.method.unwrap_or(default_method))
     }
 }
 
@@ -801,57 +812,65 @@ fn run(options: &Options) -> io::Result<()> {
     if !io::stdout().is_terminal() {
         return play(options, None);
     }
+    #[cfg(unix)]
+    let flags = fcntl_getfl(stdio::stdout())?;
     let terminal = Terminal::new(options.frames.is_none())?;
-    let played = terminal.enter().and_then(|()| play(options, Some(&terminal)));
-    let left = leave(terminal.uses_alternate_screen);
-    while terminal.is_ending.load(SeqCst) {
-        terminal.events(Duration::MAX); // Waits for the signal that has come in the meantime.
+    let played = play(options, Some(&terminal));
+    let left = leave(terminal.uses_alternate_screen, !is_in_background());
+    #[cfg(unix)]
+    fcntl_setfl(stdio::stdout(), flags)?; // Nonblocking again, if it was: see `adjust_settings`.
+    match terminal.signal() {
+        Some(signal) => end_by(signal), // Whatever `play` has returned.
+        None => played.and(left),
     }
-    played.and(left)
 }
 
 /// donut.c's `for (;;)`. Each iteration sleeps until the next frame is due, and then draws it. On a terminal,
 /// a key, a new size or a signal ends the sleep, and the current frame may have to be drawn again.
 fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
-    // Standard output without the buffer of `io::stdout`, which would write some frames in two parts.
-    #[cfg(unix)]
-    let mut stdout = fs::File::from(stdio::stdout().try_clone_to_owned()?);
-    #[cfg(windows)]
-    let mut stdout = fs::File::from(io::stdout().as_handle().try_clone_to_owned()?);
-    let mut window = terminal.map(Terminal::window).transpose()?;
-    let mut renderer = options.renderer(window);
-    let mut clear = true; // donut.c, too, begins by clearing the screen.
-    let (mut is_paused, mut is_shaded) = (false, true);
-    let mut angles = [options.a, options.b];
-    let mut frame_count = 0;
     // If --fps is tiny, a Duration cannot hold so many seconds. 1e9 of them, nearly 32 years, will do.
     let seconds = if options.fps > 0.0 { f64::min(1.0 / options.fps, 1e9) } else { 0.0 };
+    let interval = Duration::from_secs_f64(seconds);
+    let mut window = terminal.map(Terminal::window).transpose()?.flatten();
+    let mut renderer = options.renderer(window);
+    let mut angles = [options.a, options.b];
+    let mut clear = true; // donut.c, too, begins by clearing the screen.
+    let (mut is_paused, mut is_shaded) = (false, true);
+    let mut frame_count = 0;
     let mut due = Instant::now();
 
     while options.frames.is_none_or(|frames| frame_count < frames) {
         let until_due = due.saturating_duration_since(Instant::now());
-        let was_shaded = is_shaded;
+        let shown = (angles, is_shaded);
         if let Some(terminal) = terminal {
             let timeout = if is_paused { Duration::MAX } else { until_due };
             for event in terminal.events(timeout) {
-                clear |= matches!(event, Event::Resize(..));
+                let event = event?;
+                clear |= matches!(event, Event::Resize(..)); // Even if the old size is back.
                 let Some(key) = event.as_key_press_event() else { continue };
                 match (key.modifiers - KeyModifiers::SHIFT, key.code) {
-                    // On Unix, Ctrl-C sends a signal, and is a key only where `stty` has changed that.
+                    // If the code of another key comes in pieces, over a slow line, its ESC counts as Esc. On
+                    // Unix, Ctrl-C sends a signal, and is a key only where `stty` has changed that.
                     (KeyModifiers::NONE, KeyCode::Char('q' | 'Q') | KeyCode::Esc)
                     | (KeyModifiers::CONTROL, KeyCode::Char('c' | 'C')) => return Ok(()),
                     (KeyModifiers::NONE, KeyCode::Char('p' | 'P')) => is_paused = !is_paused,
                     (KeyModifiers::NONE, KeyCode::Char(' ')) => is_shaded = !is_shaded,
+                    // The side that faces the viewer turns the way that the arrow points.
+                    (_, KeyCode::Up) => angles = renderer.advance(angles, [-0.1, 0.0]),
+                    (_, KeyCode::Down) => angles = renderer.advance(angles, [0.1, 0.0]),
+                    (_, KeyCode::Left) => angles = renderer.advance(angles, [0.0, -0.1]),
+                    (_, KeyCode::Right) => angles = renderer.advance(angles, [0.0, 0.1]),
+                    (KeyModifiers::CONTROL, KeyCode::Char('l' | 'L')) => clear = true,
                     #[cfg(unix)]
-                    (KeyModifiers::CONTROL, KeyCode::Char('z')) => {
-                        terminal.suspend()?;
-                        clear = true;
-                        break;
-                    }
+                    (KeyModifiers::CONTROL, KeyCode::Char('z' | 'Z')) => terminal.suspend()?,
                     _ => {}
                 }
             }
-            let new_window = Some(terminal.window()?);
+            clear |= terminal.enter()?;
+            if terminal.signal().is_some() {
+                return Ok(());
+            }
+            let new_window = terminal.window()?;
             if new_window != window {
                 (window, clear) = (new_window, true);
                 renderer = options.renderer(window);
@@ -868,16 +887,16 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
             frame_count += 1;
             // Each frame is due one interval after the one before was due, so that delays do not add up. But
             // after a stall, the next is due now, so that the missed frames do not come in a burst.
-            due = (due + Duration::from_secs_f64(seconds)).max(Instant::now());
+            due = (due + interval).max(Instant::now());
         }
-        if is_due || clear || is_shaded != was_shaded {
+        if is_due || clear || (angles, is_shaded) != shown {
             renderer.render_frame(angles[0], angles[1]);
             if !is_shaded {
                 renderer.remove_shading();
             }
             let bytes = renderer.encode(options.color, terminal.is_some(), clear)?;
+            io::stdout().write_all(&bytes)?;
             clear = false;
-            stdout.write_all(&bytes)?;
         }
     }
     Ok(())
@@ -887,27 +906,45 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
 
 // To *enter* the terminal is to set raw mode, in which each key is sent at once and is not echoed, to switch
 // to the alternate screen, a second screen for programs that fill it, and to hide the cursor. To *leave* it
-// is to undo all this. Only the main thread enters, draws and leaves, so that nothing is left half done.
-// Other threads wait for keys, new sizes and signals, and send them to the loop, whose sleep ends when one
-// comes. Three cases bypass the loop. A panic leaves the terminal by itself. On Unix, a signal that comes
-// before the program enters the terminal, or while it is suspended, finds nothing to undo, and ends the
-// program at once. And if the terminal takes no more output, the loop is stuck, so the thread that received
-// the signal steps in.
+// is to undo all this. Only the main thread enters and draws. A second thread reads the keys, and sends them
+// to the loop. A third, ctrlc's, ends the loop's sleep when the handler of a signal has stored its number.
+//
+// q, last frame, error   `run` leaves, and returns the error.
+// SIGINT (from Ctrl-C),  `run` leaves, and ends the program by the signal. If the terminal takes no output,
+// SIGTERM, SIGHUP        ctrlc's thread ends it after three seconds, and restores nothing but the settings.
+// SIGQUIT (Ctrl-\)       The same, but ctrlc's thread does not notice it. The loop does when it wakes next.
+// Ctrl-Z                 A key. The loop leaves, stops the program until the shell's `fg`, and enters again.
+// SIGSTOP, SIGTSTP       Stop the program as it is. When it is resumed, the loop leaves and enters again.
+// in the background      The loop stops the program before it enters or draws, until the shell's `fg`.
+//                        Where no shell could resume it, the loop ends with an error.
+// the terminal is gone   The loop ends by SIGHUP, or by an error within a second.
+// a panic                Its hook leaves, in any thread, shows the message, and exits with 101.
 
-/// The longest time from an ESC to the rest of an escape code, over a slow line.
-const ESCAPE_CODE_GAP: Duration = Duration::from_millis(50);
 /// The number of SIGINT, the signal that Ctrl-C stands for.
 const SIGINT: i32 = 2;
+
+/// The terminal's size, and the aspect of its cells.
+#[derive(Clone, Copy, PartialEq)]
+struct Window {
+    columns: u16,
+    rows: u16,
+    aspect: f64,
+}
+
+/// What a pipe counts as, and a terminal that does not know its size.
+const USUAL_WINDOW: Window = Window { columns: 80, rows: 24, aspect: View::ASPECT };
 
 struct Terminal {
     /// With --frames, the alternate screen is not used, because the last frame has to stay.
     uses_alternate_screen: bool,
-    /// What the loop is told: a key, a new size, or the number of a signal that asks it to end.
-    messages: mpsc::Receiver<Result<Event, i32>>,
-    /// Whether a signal has come. Its handler sets this, a moment before its number is sent.
-    is_ending: Arc<AtomicBool>,
-    /// Whether a signal ends the program at once: before it enters the terminal, and while it is suspended.
-    is_outside: Arc<AtomicBool>,
+    /// Keys and new sizes. An error says that no more can be read, or that a signal has come.
+    inbox: mpsc::Receiver<io::Result<Event>>,
+    /// The thread that reads the keys.
+    keys: thread::Thread,
+    /// The number of the last signal that has asked the program to end, or 0.
+    signal: Arc<AtomicUsize>,
+    /// Whether `enter` has to enter: at the start, and after a stop, of which SIGCONT's handler tells.
+    must_enter: Arc<AtomicBool>,
 }
 
 impl Terminal {
@@ -915,159 +952,186 @@ impl Terminal {
         if env::var_os("TERM").is_some_and(|term| term == "dumb") {
             return Err(io::Error::other("TERM is dumb, but the picture needs escape codes"));
         }
-        let [is_ending, is_outside] = [false, true].map(|flag| Arc::new(AtomicBool::new(flag)));
-        let (sender, messages) = mpsc::channel();
-
         let previous_hook = panic::take_hook();
         panic::set_hook(Box::new(move |info| {
-            let _ = leave(uses_alternate_screen);
+            let _stdout = io::stdout().lock(); // The loop must not draw over the message.
+            let _ = leave(uses_alternate_screen, true);
             previous_hook(info);
             process::exit(101) // By itself, a panic ends the program only in the main thread.
         }));
 
+        let (sender, inbox) = mpsc::sync_channel(100);
+        let (signal, must_enter) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(true)));
         // ctrlc replaces the handlers that it finds, and signal-hook adds to them, so ctrlc comes first.
-        let to_loop = sender.clone();
-        ctrlc::set_handler(move || ask_to_end(&to_loop, SIGINT)).map_err(io::Error::other)?;
-        #[cfg(unix)]
-        {
-            let mut signals = Signals::new([SIGHUP, SIGQUIT, SIGTERM])?;
-            let to_loop = sender.clone();
-            let receive = move |signal| ask_to_end(&to_loop, signal);
-            thread::Builder::new().spawn(move || signals.forever().for_each(receive))?;
-        }
-        thread::Builder::new().spawn(move || send_events(&sender))?;
-        // Last, because while a thread is started, another one handles the signals. It might then end the
-        // program when the main thread has just entered the terminal.
-        #[cfg(unix)]
-        for signal in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
-            flag::register_conditional_default(signal, is_outside.clone())?;
-            flag::register(signal, is_ending.clone())?;
-        }
-        Ok(Terminal { uses_alternate_screen, messages, is_ending, is_outside })
-    }
-
-    /// Waits for the next event, but no longer than this, and returns all that have come. If a signal has
-    /// come, leaves the terminal instead, and ends the program by that signal.
-    fn events(&self, timeout: Duration) -> Vec<Event> {
-        // At least once a second, the loop checks that the terminal is still there: see `window`.
-        let first = self.messages.recv_timeout(timeout.min(Duration::from_secs(1))).into_iter();
-        first.chain(self.messages.try_iter()).collect::<Result<_, _>>().unwrap_or_else(|signal| {
-            let _ = leave(self.uses_alternate_screen);
-            end_by(signal)
+        let (to_loop, stored) = (sender.clone(), signal.clone());
+        ctrlc::set_handler(move || {
+            // On Windows, nothing else stores a number; on Unix, only the first microseconds lack the
+            // handlers.
+            let _ = stored.compare_exchange(0, SIGINT as usize, SeqCst, SeqCst);
+            let _ = to_loop.try_send(Err(io::ErrorKind::Interrupted.into()));
+            thread::sleep(Duration::from_secs(3)); // If this ends, the loop is stuck in a write.
+            let _ = restore_settings();
+            end_by(stored.load(SeqCst) as i32)
         })
+        .map_err(io::Error::other)?;
+        #[cfg(unix)]
+        for number in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
+            flag::register_usize(number, signal.clone(), number as usize)?;
+        }
+        #[cfg(unix)]
+        flag::register(SIGCONT, must_enter.clone())?;
+        // A thread, because even `event::poll` waits for the end of an escape code that has begun.
+        let reader = thread::Builder::new().name("keys".into()).spawn(move || {
+            thread::park(); // Until `enter`, because in the background, to read would stop the program.
+            while sender.send(event::read()).is_ok() {}
+        })?;
+        // After `(donut &)`, with /dev/null as input, the shell takes the terminal back a moment later.
+        if !io::stdin().is_terminal() {
+            thread::sleep(Duration::from_millis(50));
+        }
+        let keys = reader.thread().clone();
+        Ok(Terminal { uses_alternate_screen, inbox, keys, signal, must_enter })
     }
 
-    /// The columns and rows, and the aspect of a cell. A terminal that does not know its size reports 0, and
-    /// is taken for 80x24. This fails if the terminal is gone.
-    fn window(&self) -> io::Result<(u16, u16, f64)> {
+    /// The signal that has asked the program to end.
+    fn signal(&self) -> Option<i32> {
+        Some(self.signal.load(SeqCst) as i32).filter(|&signal| signal > 0)
+    }
+
+    /// Waits for an event, but no longer than this, and returns all that have come. The loop has to look at
+    /// least once a second whether the terminal is gone.
+    fn events(&self, timeout: Duration) -> impl Iterator<Item = io::Result<Event>> {
+        let first = self.inbox.recv_timeout(timeout.min(Duration::from_secs(1)));
+        first.into_iter().chain(self.inbox.try_iter())
+    }
+
+    /// `None` if the terminal does not know its size. Fails if the terminal is gone.
+    fn window(&self) -> io::Result<Option<Window>> {
         // crossterm's `window_size` opens the terminal each time, and on Windows, it always fails.
         #[cfg(unix)]
         let (columns, rows, pixels) = termios::tcgetwinsize(stdio::stdout())
             .map(|size| (size.ws_col, size.ws_row, (size.ws_xpixel, size.ws_ypixel)))?;
         #[cfg(windows)]
         let (columns, rows, pixels) = terminal::size().map(|size| (size.0, size.1, (0, 0)))?;
-        let (columns, rows) = if columns > 0 && rows > 0 { (columns, rows) } else { (80, 24) };
-        Ok((columns, rows, cell_aspect((columns, rows), pixels)))
+        let aspect = || cell_aspect((columns, rows), pixels);
+        Ok((columns > 0 && rows > 0).then(|| Window { columns, rows, aspect: aspect() }))
     }
 
-    fn enter(&self) -> io::Result<()> {
-        // In the background, as after `donut &`, the settings are the shell's, and must not be saved. The
-        // system would stop the program when it changes them, which is too late. So the program stops itself.
+    /// Enters, in the foreground, if that has to be done and no signal has come. Says whether it has.
+    fn enter(&self) -> io::Result<bool> {
+        // In the background, the settings are the shell's. crossterm would save them as the program's own
+        // before the system stops the program, which it does when they are changed.
         #[cfg(unix)]
-        while termios::tcgetpgrp(stdio::stdout()).is_ok_and(|group| group != job::getpgrp()) {
-            let _ = job::kill_current_process_group(job::Signal::TTOU);
-            thread::sleep(Duration::from_millis(100)); // Where no shell could resume it, it waits here.
+        while is_in_background() && self.signal().is_none() {
+            if !self.stop(Signal::TTOU) {
+                return Err(io::Error::other("no shell can bring this job to the foreground"));
+            }
         }
-        self.is_outside.store(false, SeqCst);
-        terminal::enable_raw_mode()?;
+        if self.signal().is_some() || !self.must_enter.swap(false, SeqCst) {
+            return Ok(false);
+        }
+        // Only after SIGSTOP is there something to leave. The shell has changed the settings since then, but
+        // crossterm takes raw mode for granted. The screen may be the shell's, so it is not cleared.
+        leave(self.uses_alternate_screen, false)?;
+        terminal::enable_raw_mode()
+            .map_err(|error| io::Error::other(format!("cannot read keys: {error}")))?;
+        self.keys.unpark();
         #[cfg(unix)]
-        {
-            use termios::{LocalModes, OptionalActions, OutputModes, SpecialCodeIndex as Key};
-            let tty = if io::stdin().is_terminal() { stdio::stdin() } else { stdio::stdout() };
-            let mut settings = termios::tcgetattr(tty)?;
-            // Ctrl-C and Ctrl-\ send signals, which arrive even after half an escape code.
-            settings.local_modes |= LocalModes::ISIG;
-            // Ctrl-Z arrives as a key: see `suspend`. The value for "no key" differs between systems, so the
-            // key that suspends is set to Ctrl-C; the system looks for the key that interrupts first.
-            settings.special_codes[Key::VSUSP] = settings.special_codes[Key::VINTR];
-            // `\n` leads to the start of a new line, so that a frame is the same as in a pipe.
-            settings.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
-            termios::tcsetattr(tty, OptionalActions::Now, &settings)?;
-        }
+        Terminal::adjust_settings()?;
         if self.uses_alternate_screen {
             queue!(io::stdout(), terminal::EnterAlternateScreen)?;
         }
-        execute!(io::stdout(), cursor::Hide)
+        execute!(io::stdout(), cursor::Hide)?;
+        Ok(true)
     }
 
-    /// Suspends the program's job, scripts that run the program included, until the shell's `fg`. When a
-    /// script stops, the shell writes its prompt, which would be lost on the alternate screen. So the program
-    /// leaves the terminal first. The system ignores this where no shell could resume the job.
+    /// Changes the settings of raw mode, on the terminal whose keys crossterm reads.
+    #[cfg(unix)]
+    fn adjust_settings() -> io::Result<()> {
+        let stdin = stdio::stdin().try_clone_to_owned()?;
+        let tty = if io::stdin().is_terminal() { stdin } else { File::open("/dev/tty")?.into() };
+        let mut settings = termios::tcgetattr(&tty)?;
+        // Ctrl-C and Ctrl-\ send signals, which arrive even after half an escape code.
+        settings.local_modes |= LocalModes::ISIG;
+        // Ctrl-Z arrives as a key: see `suspend`. The value for "no key" differs between systems, so the key
+        // that suspends is that of Ctrl-C, too, and the system takes it as Ctrl-C.
+        settings.special_codes[Key::VSUSP] = settings.special_codes[Key::VINTR];
+        // `\n` leads to the start of a new line, so that a frame is the same as in a pipe.
+        settings.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
+        termios::tcsetattr(&tty, OptionalActions::Now, &settings)?;
+        // Where another program has made the terminal nonblocking, a write fails instead of waiting.
+        Ok(fcntl_setfl(stdio::stdout(), fcntl_getfl(stdio::stdout())? - OFlags::NONBLOCK)?)
+    }
+
+    /// Suspends the program until the shell's `fg`. When a script stops, the shell writes its prompt, which
+    /// would be lost on the alternate screen. So the program leaves the terminal first.
     #[cfg(unix)]
     fn suspend(&self) -> io::Result<()> {
-        leave(self.uses_alternate_screen)?;
-        self.is_outside.store(true, SeqCst);
-        self.events(Duration::ZERO); // A signal that has come in the meantime ends the program.
-        let _ = job::kill_current_process_group(job::Signal::TSTP);
-        thread::sleep(Duration::from_millis(100)); // A signal that comes with the end of the stop goes first.
-        self.events(Duration::ZERO); // The keys that came with Ctrl-Z are dropped.
-        self.enter()
+        leave(self.uses_alternate_screen, true)?;
+        if self.signal().is_none() {
+            self.stop(Signal::TSTP);
+        }
+        self.must_enter.store(true, SeqCst);
+        self.inbox.try_iter().for_each(drop); // The keys that came with Ctrl-Z.
+        Ok(())
+    }
+
+    /// Stops the program's job, scripts that run the program included, until a shell resumes it. Says whether
+    /// it was stopped: the system ignores this where no shell could resume it.
+    #[cfg(unix)]
+    fn stop(&self, signal: Signal) -> bool {
+        self.must_enter.store(false, SeqCst);
+        let _ = kill_current_process_group(signal);
+        // Not every system stops the program before the line above returns.
+        (0..10).any(|_| {
+            thread::sleep(Duration::from_millis(10));
+            self.must_enter.load(SeqCst)
+        })
     }
 }
 
-/// The height of a cell divided by its width, from the size of the window in cells and in pixels: 2 if the
-/// terminal does not tell the pixels, or they cannot be right.
+/// The aspect of a cell, from the size of the window in cells and in pixels, or 2 if these cannot be right.
 fn cell_aspect((columns, rows): (u16, u16), (width, height): (u16, u16)) -> f64 {
     // In whole pixels, because some terminals count a border in. (0 / 0 is NaN, which is in no range.)
     let aspect = f64::from(height / rows) / f64::from(width / columns);
     // OpenSSH for Windows says 640x480 of any window.
-    if ASPECTS.contains(&aspect) && (width, height) != (640, 480) { aspect } else { 2.0 }
+    if ASPECTS.contains(&aspect) && (width, height) != (640, 480) { aspect } else { View::ASPECT }
 }
 
 /// Leaves the terminal, if the program has entered it.
-fn leave(uses_alternate_screen: bool) -> io::Result<()> {
+fn leave(uses_alternate_screen: bool, clear: bool) -> io::Result<()> {
     if !terminal::is_raw_mode_enabled()? {
         return Ok(());
     }
-    let mut stdout = io::stdout();
+    let mut bytes = Vec::new();
     // Ctrl-C discards output that the terminal has not taken yet, so the last frame may lack its end.
-    queue!(stdout, terminal::EndSynchronizedUpdate, style::ResetColor, cursor::MoveToColumn(0))?;
-    if uses_alternate_screen {
+    queue!(bytes, terminal::EndSynchronizedUpdate, style::ResetColor, cursor::MoveToColumn(0))?;
+    if uses_alternate_screen && clear {
         // After a change of size, tmux would copy what is there into the shell's screen.
-        queue!(stdout, terminal::Clear(terminal::ClearType::All), terminal::LeaveAlternateScreen)?;
+        queue!(bytes, terminal::Clear(terminal::ClearType::All))?;
     }
-    let left = execute!(stdout, cursor::Show);
-    terminal::disable_raw_mode().and(left)
+    if uses_alternate_screen {
+        queue!(bytes, terminal::LeaveAlternateScreen)?;
+    }
+    queue!(bytes, cursor::Show)?;
+    let written = io::stdout().write_all(&bytes).and_then(|()| io::stdout().flush());
+    restore_settings().and(written)
 }
 
-/// Sends keys and new sizes to the loop, until the terminal is gone. This takes a thread of its own, because
-/// even `event::poll` waits for the end of an escape code that has begun.
-fn send_events(to_loop: &mpsc::Sender<Result<Event, i32>>) -> io::Result<()> {
-    let code = |event: &Event| event.as_key_press_event().map(|key| key.code);
-    loop {
-        let event = event::read()?;
-        if code(&event) == Some(KeyCode::Esc)
-            && event::poll(ESCAPE_CODE_GAP)?
-            && matches!(code(&event::read()?), Some(KeyCode::Char('[' | 'O')))
-        {
-            // This was not the Esc key, but another one, whose code, ESC [ A for example, came in pieces.
-            // (After the Esc key, no other matters.)
-            while event::poll(ESCAPE_CODE_GAP)? {
-                event::read()?; // The rest of the code, which looks like keys.
-            }
-        } else {
-            to_loop.send(Ok(event)).map_err(io::Error::other)?;
-        }
-    }
+/// Restores the settings, unless the program is in the background, where they are the shell's.
+fn restore_settings() -> io::Result<()> {
+    if is_in_background() { Ok(()) } else { terminal::disable_raw_mode() }
 }
 
-/// Asks the loop to end the program by a signal. If it takes too long, it is probably stuck in a write,
-/// because the terminal takes no more output. Then only the settings are restored, which is not a write.
-fn ask_to_end(to_loop: &mpsc::Sender<Result<Event, i32>>, signal: i32) {
-    let _ = to_loop.send(Err(signal));
-    thread::sleep(Duration::from_secs(3));
-    let _ = terminal::disable_raw_mode();
-    end_by(signal)
+/// Whether the terminal is not the program's, but that of another job, such as the shell.
+fn is_in_background() -> bool {
+    #[cfg(unix)]
+    return [stdio::stdin(), stdio::stdout()]
+        .into_iter()
+        .find_map(|tty| termios::tcgetpgrp(tty).ok())
+        .is_some_and(|group| group != getpgrp());
+    #[cfg(windows)]
+    false
 }
 
 /// Ends the program by this signal, so that the shell or script that runs it can tell what ended it.

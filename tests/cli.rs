@@ -52,7 +52,8 @@ fn values_are_accepted_within_their_limits_and_no_others_are() {
     let no_color = "crimson 256 -1 #12345 #1234567 #12345g #+12345 +12345  reset";
     let color = "a name from --help, 0 to 255, or '#rrggbb'";
     let r2 = "a number from 1.01 to 30";
-    let k2 = "(1.001 times the sum of 1 and --r2) to 1000000";
+    let k2 = "a number from 2.02 to 1000000";
+    let far = "--k2 must be at least 1.01 more than --r2";
     let classic = "--method classic needs --r2 2 and --k2 5";
     for (options, refused, message, accepted) in [
         ("--width {}", "0 4097 -5 65536", ["'{}' for '--width", "{} is not in 1..=4096"], "1 4096"),
@@ -72,19 +73,19 @@ fn values_are_accepted_within_their_limits_and_no_others_are() {
         ("--spin {}", "0.04 0.04;0.02  -", ["'{}' for '--spin", "two angles with a comma"], "0,0"),
         ("--method {}", "magic", ["'{}' for '--method", "classic, exact"], "classic exact"),
         ("--color {}", no_color, ["'{}' for '--color", color], "0 255"),
-        ("--r2 {}", "1.009 30.1 -2 nan ", ["'{}' for '--r2", r2], "1.01 3.99"),
-        ("--r2 {}", "10", ["--k2 is 5, but must be from 11.011", k2], ""),
-        ("--r2=10 --k2 {}", "11.0109", ["--k2 is {}, but must be from 11.011", k2], "11.011"),
-        ("--r2=1.2344 --k2 {}", "2.2366344", ["--k2 is {},", "from 2.236635 (1.001"], "2.236635"),
-        ("--k2 {}", "3.0029999999999997", ["--k2 is {}, but must be from 3.003", k2], "3.003"),
-        ("--k2 {}", "1000000.1 -5 NaN", ["--k2 is {}, but must be from 3.003", k2], "1000000"),
-        ("--k2 {}", "big 1,2", ["'{}' for '--k2", "invalid float literal"], "5"),
-        ("--method=classic --r2 {}", "3", ["but these are {} and 5", classic], "2"),
-        ("--method=classic --k2 {}", "5.000001", ["but these are 2 and {}", classic], "5"),
+        ("--r2 {}", "1.009 30.1 -2 nan ", ["'{}' for '--r2", r2], "1.01 4 30"),
+        ("--r2=10 --k2 {}", "11.0099 10", [far, "but these are {} and 10"], "11.01"),
+        ("--r2=1.1 --k2 {}", "2.10999 2.02", [far, "but these are {} and 1.1"], "2.11"),
+        ("--r2=30 --k2 {}", "31.00999 5", [far, "but these are {} and 30"], "31.01"),
+        ("--k2 {}", "3.00999999", [far, "but these are {} and 2"], "3.01 1000000"),
+        ("--k2 {}", "1000000.1 2.019 -5 NaN big 1,2", ["'{}' for '--k2", k2], "5"),
+        ("--method=classic --r2 {}", "3", ["not {} and 6.66", classic], "2"),
+        ("--method=classic --k2 {}", "5.000001", ["not 2 and {}", classic], "5"),
         ("--speed {}", "3", ["unexpected argument", "--speed"], ""),
         ("{}", "80", ["unexpected argument", "'{}'"], ""),
         ("{}", "--width", ["a value is required", "{}"], ""),
         ("--color {}", "--fps -A", ["a value is required for '--color", "none was supplied"], ""),
+        ("-A {}", "-B --spin", ["'{}' for '-A", angle], "-.5"),
         (
             "--fps {}",
             "--spin --frames",
@@ -106,14 +107,21 @@ fn values_are_accepted_within_their_limits_and_no_others_are() {
     }
 }
 
+/// In f64, the difference of two decimals may be a little less or more than 1.01.
 #[test]
-fn the_least_distance_that_a_message_names_is_accepted() {
-    // In f64, 1.001 * (1 + 15.06) is a little more than 16.07606.
-    for r2 in ["1.01", "30", "15.06", "1.1", "2.2", "1.2345678901234567", "29.999999999999996"] {
-        let message = run(&format!("--frames=0 --r2={r2} --k2=1")).unwrap_err();
-        let (_, least) = message.split_once("must be from ").unwrap();
-        let least = least.split(' ').next().unwrap();
-        run(&format!("--frames=0 --r2={r2} --k2={least}")).unwrap();
+fn a_distance_of_1_01_is_enough_for_every_radius_in_hundredths() {
+    for hundredths in (101..=3000).step_by(37) {
+        let radius = |hundredths| format!("{}.{:02}", hundredths / 100, hundredths % 100);
+        let options = format!("--r2={} --k2={}", radius(hundredths), radius(hundredths + 101));
+        run(&format!("--frames=0 {options}")).unwrap();
+    }
+}
+
+#[test]
+fn by_default_every_donut_is_seen_from_as_far_as_donut_cs() {
+    for (r2, k2) in [("2", "5"), ("5", "10"), ("1.01", "3.35"), ("29", "50")] {
+        let options = format!("--frames=1 --r2={r2}");
+        assert_eq!(run(&options), run(&format!("{options} --k2={k2}")), "{r2}");
     }
 }
 
@@ -136,8 +144,10 @@ fn each_frame_sets_and_resets_the_colour_however_it_is_written() {
         ("208", "\x1b[38;5;208m"),
         ("#0a7Fff 0A7FFF 0a7fff", "\x1b[38;2;10;127;255m"),
     ] {
-        let expected: Vec<_> =
-            frames(&plain).iter().map(|frame| format!("{set}{frame}\x1b[0m")).collect();
+        let expected: Vec<_> = frames(&plain)
+            .iter()
+            .map(|frame| format!("{set}{}\x1b[0m\n", frame.trim_end_matches('\n')))
+            .collect();
         for color in colors.split(' ') {
             for option in ["--color", "--colour"] {
                 let drawn = run(&format!("--frames=2 --fps=0 {option}={color}")).unwrap();
@@ -251,7 +261,7 @@ fn size(most: usize) -> impl Strategy<Value = usize> {
 fn lengths() -> impl Strategy<Value = (f64, f64)> {
     let barely = (-16.0..0.0).prop_map(|power| 1.0 + 10_f64.powf(power));
     let distance = prop_oneof![4 => barely, 1 => Just(3e4), 4 => 1.0..=3e4];
-    let any = (number(1.01, 30.0), distance).prop_map(|(r2, distance)| (r2, (1.0 + r2) * distance));
+    let any = (number(1.01, 30.0), distance).prop_map(|(r2, distance)| (r2, r2 + 1.01 * distance));
     prop_oneof![1 => Just((2.0, 5.0)), 3 => any]
 }
 
@@ -273,7 +283,7 @@ proptest! {
             "--frames=2 --fps=0 --width={width} --height={height} -A{a} -B{b} --spin={da},{db} \
              --r2={r2} --k2={k2} --aspect={aspect}{method}"
         ));
-        let is_possible = k2 > 1.0011 * (1.0 + r2) && method != " --method=classic";
+        let is_possible = k2 > 1.0101 + r2 && method != " --method=classic";
         prop_assert!(drawn.is_ok() || !is_possible);
         if let Ok(drawn) = drawn {
             prop_assert_eq!(frames(&drawn).len(), 2);

@@ -26,6 +26,6 @@ complete -c donut -l width -d 'Columns [default: all, or 80 in a pipe]' -r -f
 complete -c donut -l height -d 'Rows [default: all but 2, or 22 in a pipe]' -r -f
 complete -c donut -l aspect -d 'Height of a cell divided by its width [default: the terminal\'s, or 2]' -r -f
 complete -c donut -l r2 -d 'Radius of the ring, in tube radii' -r -f
-complete -c donut -l k2 -d 'Distance to the donut\'s centre, in tube radii' -r -f
+complete -c donut -l k2 -d 'Distance to the donut\'s centre, in tube radii [default: 5 (1 + R) / 3, where R is --r2]' -r -f
 complete -c donut -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c donut -s V -l version -d 'Print version'

@@ -49,10 +49,11 @@ fn classic_is_the_default_only_for_donut_cs_own_picture() {
         assert_eq!(options.renderer(None).classic.is_some(), is_classic);
     }
     // An 80x24 terminal gets donut.c's own picture, whatever the shape of its cells.
+    let window = Some(Window { columns: 80, rows: 24, aspect: 2.2 });
     for options in [&["donut"][..], &["donut", "--method=exact"]] {
-        let renderer = Options::parse_from(options).renderer(Some((80, 24, 2.2)));
+        let renderer = Options::parse_from(options).renderer(window);
         assert!(renderer.view == View::DONUT_C);
     }
-    let renderer = Options::parse_from(["donut", "--r2=3"]).renderer(Some((80, 24, 2.2)));
-    assert!(renderer.view == View::new(80, 22, 2.2, 3.0, 5.0));
+    let renderer = Options::parse_from(["donut", "--r2=5"]).renderer(window);
+    assert!(renderer.view == View::new(80, 22, 2.2, 5.0, 10.0));
 }

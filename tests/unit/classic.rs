@@ -5,14 +5,7 @@ use super::*;
 /// A renderer that draws as classic does, but with these steps of theta and phi.
 pub fn with_steps(view: View, theta: f64, phi: f64) -> Renderer {
     let mut renderer = Renderer::new(view, Method::Classic);
-    let classic = renderer.classic.as_mut().unwrap();
-    classic.thetas = trig_table(theta);
-    let eight = |phis: &[(f32, f32)]| {
-        let lane = |i: usize| phis[i.min(phis.len() - 1)];
-        let [sin, cos] = [array::from_fn(|i| lane(i).0), array::from_fn(|i| lane(i).1)];
-        (f32x8::new(sin), f32x8::new(cos))
-    };
-    classic.phis = trig_table(phi).chunks(8).map(eight).collect();
+    renderer.classic = Some(Classic::new(&view, [theta, phi]));
     renderer
 }
 

@@ -19,7 +19,7 @@ fn manual_page() -> String {
 fn entry<'a>(page: &'a str, name: &str) -> (&'a str, &'a str) {
     page.split("\n.")
         .filter_map(|part| part.strip_prefix("TP\n")?.split_once('\n'))
-        .find(|(line, _)| line.split([' ', ',']).any(|word| word == name))
+        .find(|(line, _)| *line == name || line.split([' ', ',']).any(|word| word == name))
         .unwrap_or_else(|| panic!("the manual page has no entry for {name}"))
 }
 
@@ -107,9 +107,9 @@ fn the_manual_page_has_every_rule_between_options() {
     let page = manual_page();
     let help = Options::command().render_long_help().to_string();
     assert_contains(entry(&page, "--k2").1, "at most 1000000");
-    assert_contains(&help, "1.001 times the sum of 1 and --r2");
+    assert_contains(&help, "At least 1.01 more than --r2, and at most 1000000");
     for [option, value, rule] in [
-        ["--k2", "2.5", "1.001 times the sum of 1 and --r2"],
+        ["--k2", "2.5", "at least 1.01 more than --r2"],
         ["--method", "classic", "--method classic needs --r2 2 and --k2 5"],
     ] {
         let message = Options::parse_from(["donut", "--r2=3", option, value]).conflict();
@@ -125,7 +125,7 @@ fn the_manual_page_has_keys_exit_codes_examples_and_version() {
     for line in keys.lines().skip(1) {
         for name in line.trim().split("  ").next().unwrap().split(", ") {
             entry(&page, name);
-            let is_row = |line: &str| line.starts_with('|') && line.contains(&format!("`{name}`"));
+            let is_row = |line: &str| line.starts_with('|') && line.contains(name);
             assert!(readme.lines().any(is_row), "the README's table of keys lacks {name}");
         }
     }
@@ -159,14 +159,13 @@ fn completion(shell: Shell) -> String {
 }
 
 /// The completions offer the names of the colours and no files. In fish, an option with -r but without -f
-/// would complete the names of files. The script for PowerShell completes no values at all.
+/// would complete the names of files.
 #[test]
 fn the_stored_completions_are_those_for_the_options() {
-    for shell in [Shell::Bash, Shell::Zsh, Shell::Fish, Shell::PowerShell] {
+    for shell in [Shell::Bash, Shell::Zsh, Shell::Fish] {
         let script = completion(shell);
         assert_current(&format!("tests/dist/{}", shell.file_name("donut")), &script);
-        let has_colors = color_names().iter().all(|name| script.contains(name));
-        assert_eq!(has_colors, shell != Shell::PowerShell, "{shell}: {script}");
+        assert!(color_names().iter().all(|name| script.contains(name)), "{shell}: {script}");
         for files in ["compgen -f", "-o default", "-o bashdefault", "_default", "_files", "-r\n"] {
             assert!(!script.contains(files), "{shell} has {files}: {script}");
         }
