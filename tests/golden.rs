@@ -5,7 +5,8 @@
 mod program;
 
 use std::fs;
-use std::process::Stdio;
+use std::io::Read;
+use std::process::{Command, Stdio};
 
 use program::{Program, frames};
 use sha2::{Digest, Sha256};
@@ -45,6 +46,21 @@ fn the_first_10000_frames_are_those_recorded_from_donut_c() {
     // donut.c was compiled by `gcc -std=gnu89 -O2` on x86-64.
     let expected = "351752a14d2a6de405e84f614d4011f429dc0350d84a4b233d52b7aecae65ff8";
     assert_eq!(sha256(&stream[4..]), expected);
+}
+
+/// tests/unit/donut.rs is a program as well. It never ends by itself.
+#[test]
+fn the_donut_shaped_source_is_a_program_that_writes_donut_cs_frames() {
+    let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/unit/donut.rs");
+    let program = concat!(env!("CARGO_TARGET_TMPDIR"), "/donut-shaped");
+    let rustc =
+        Command::new("rustc").args(["--edition=2024", "-O", "-o", program, source]).status();
+    assert!(rustc.unwrap().success());
+    let mut shaped = Program::start(program, "", Stdio::piped());
+    let expected = output_of("--frames=5 --fps=0");
+    let mut written = vec![0; expected.len()];
+    shaped.0.stdout.take().unwrap().read_exact(&mut written).unwrap();
+    assert!(written == expected.as_bytes());
 }
 
 #[test]

@@ -76,42 +76,21 @@ fn samples_on_the_edge_leave_row_0_and_column_0_blank() {
     }
 }
 
-/// A frame of donut.c, translated expression by expression, with donut.c's names. As there, the sines and
-/// cosines are inside the loops. The compiler may take those out that do not change in a loop, as a compiler
-/// of C may.
-pub fn donut_c(
-    a: f32,
-    b: f32,
-    view: &View,
-    [theta_step, phi_step]: [f64; 2],
-    zbuffer: &mut [f32],
-    framebuffer: &mut [u8],
-) {
-    let sin = |angle: f32| f64::from(angle).sin() as f32;
-    let cos = |angle: f32| f64::from(angle).cos() as f32;
-    let [cx, cy, k1x, k1y] = [view.cx, view.cy, view.k1x, view.k1y].map(|k| k as f32);
-    zbuffer.fill(0.0);
-    let mut j = 0.0;
-    while f64::from(j) < TAU {
-        let mut i = 0.0;
-        while f64::from(i) < TAU {
-            let (c, d, e, f, g) = (sin(i), cos(j), sin(a), sin(j), cos(a));
-            let h = d + 2.0;
-            let ooz = 1.0 / (c * h * e + f * g + 5.0);
-            let (l, m, n) = (cos(i), cos(b), sin(b));
-            let t = c * h * g - f * e;
-            let x = (cx + k1x * ooz * (l * h * m - t * n)) as usize;
-            let y = (cy + k1y * ooz * (l * h * n + t * m)) as usize;
-            let o = x + view.width * y;
-            let luminance = (f * e - c * d * g) * m - c * d * e - f * g - l * d * n;
-            let inside = view.height > y && y > 0 && x > 0 && view.width > x;
-            if inside && ooz > zbuffer[o] {
-                zbuffer[o] = ooz;
-                framebuffer[o] = glyph(luminance.into());
-            }
-            i = add_step(i, phi_step);
-        }
-        j = add_step(j, theta_step);
+/// donut.rs is donut.c, step by step, in the shape of a donut. Here it draws the picture of a view.
+pub fn donut_c(view: &View, a: f64, b: f64) -> Vec<u8> {
+    let &View { width, height, cx, cy, k1x, k1y, .. } = view;
+    let scale = [cx, cy, k1x, k1y].map(|value| value as f32);
+    donut::frame(a as f32, b as f32, [width, height], scale)
+}
+
+#[test]
+fn the_first_10000_frames_are_those_of_a_literal_translation() {
+    let (mut classic, mut angles) = (Renderer::new(View::DONUT_C, Method::Classic), [0.0; 2]);
+    for frame in 0..10_000 {
+        let [a, b] = angles;
+        classic.render_frame(a, b);
+        assert!(classic.framebuffer == donut_c(&View::DONUT_C, a, b), "frame {frame}");
+        angles = classic.advance(angles, [0.04, 0.02]);
     }
 }
 
@@ -125,12 +104,9 @@ fn classic_draws_the_same_as_a_literal_translation_of_donut_c() {
     for (width, height) in [(80, 22), (40, 12), (33, 17), (60, 19), (61, 9), (3, 2)] {
         let view = fitted(width, height);
         let mut renderer = Renderer::new(view, Method::Classic);
-        let (mut zbuffer, mut cells) = (vec![0.0; width * height], vec![b' '; width * height]);
         for &(a, b) in &poses {
-            cells.fill(b' ');
-            donut_c(a as f32, b as f32, &view, [0.07, 0.02], &mut zbuffer, &mut cells);
             renderer.render_frame(a, b);
-            assert!(renderer.framebuffer == cells, "A {a}, B {b}, {width}x{height}");
+            assert!(renderer.framebuffer == donut_c(&view, a, b), "A {a}, B {b}, {width}x{height}");
         }
     }
 }

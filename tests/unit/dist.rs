@@ -141,6 +141,11 @@ fn the_manual_page_has_keys_exit_codes_examples_and_version() {
     assert_contains(page.lines().next().unwrap(), version);
 }
 
+#[test]
+fn the_readme_shows_the_donut_shaped_source() {
+    assert!(read("README.md").contains(&format!("```rust\n{}```\n", read("tests/unit/donut.rs"))));
+}
+
 fn completion(shell: Shell) -> String {
     // --color takes numbers as well, but only names can be completed.
     let mut command = Options::command().mut_args(|option| match option.get_id().as_str() {

@@ -5,9 +5,14 @@
 
 mod angles;
 mod aspect;
+// Which cells an unstable method gets wrong depends on how the system rounds sines, cosines and roots.
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod chart;
 mod classic;
 mod dist;
+#[rustfmt::skip]
+#[allow(dead_code, reason = "it is a program, too")]
+mod donut;
 mod exact;
 mod one_ray;
 mod oracle;
@@ -18,7 +23,6 @@ mod panic;
 mod program;
 
 use super::*;
-use angles::FROZEN;
 use one_ray::{Ray, look_in_row};
 use oracle::{Oracle, Verdict, differ, level_of};
 use program::within_a_minute;

@@ -1,17 +1,24 @@
 //! The pictures of the README and of the study, as SVG: three of frames, and two charts. The charts follow
-//! the page, which may be light or dark, and can be read even on a phone, 390 pixels wide.
+//! the page, which may be light or dark. All can be read even on a phone, where they are 400 pixels wide.
 
 use super::*;
 use std::ops::Range;
 
+/// Blanks in a text are kept: the first attribute is for programs that do not know CSS's `white-space`.
 fn svg(title: &str, (width, height): (f64, f64), style: &str, contents: &str) -> String {
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.1} {height:.1}\" \
-         width=\"{width:.1}\" height=\"{height:.1}\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" xml:space=\"preserve\" \
+         viewBox=\"0 0 {width:.1} {height:.1}\" width=\"{width:.1}\" height=\"{height:.1}\">\n\
          <title>{title}</title>\n\
          <style>{style}</style>\n\
-         <rect width=\"100%\" height=\"100%\" rx=\"8\" fill=\"#16181d\"/>\n\
+         <rect class=\"page\" width=\"100%\" height=\"100%\" rx=\"8\"/>\n\
          {contents}</svg>\n"
+    )
+}
+
+fn text(class: &str, (x, y): (f64, f64), anchor: &str, words: &str) -> String {
+    format!(
+        "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{words}</text>\n"
     )
 }
 
@@ -20,19 +27,60 @@ fn svg(title: &str, (width, height): (f64, f64), style: &str, contents: &str) ->
 /// The width and the height of a cell, in pixels.
 const CELL: (f64, f64) = (9.6, 19.2);
 const CELLS: &str = "text{font:16px ui-monospace,Menlo,Consolas,'DejaVu Sans Mono',monospace;\
-                     fill:#e6e6e6;white-space:pre}";
-/// For the cells that differ from exact's.
-const WRONG: &str = ".wrong,.hole{fill:#ff9d5c}rect.wrong{fill:#5a3418}";
+    fill:#e6e6e6;white-space:pre}rect{shape-rendering:crispEdges}.page{fill:#16181d}\
+    text.title{font-size:22px;font-weight:bold}text.caption{font-size:18px;fill:#c3cad3}\
+    text.extra{fill:#ffc08a}rect.extra{fill:#894813}rect.shade{fill:#1f3857}\
+    rect.hole{fill:#a8325e}";
 
 fn pixels(columns: usize, rows: usize) -> (f64, f64) {
     (columns as f64 * CELL.0, rows as f64 * CELL.1)
 }
 
-/// A run of glyphs. The first one is in the cell with this column and row.
-fn run(column: usize, row: usize, class: &str, glyphs: &str) -> String {
-    let ((x, top), (length, _)) = (pixels(column, row), pixels(glyphs.len(), 0));
-    let y = top + 0.8 * CELL.1;
+fn words(class: &str, (column, row): (usize, usize), words: &str) -> String {
+    let (x, y) = pixels(column, row);
+    text(class, (x, y + 0.8 * CELL.1), "start", words)
+}
+
+/// Glyphs, one in each cell from this one on.
+fn run(class: &str, (column, row): (usize, usize), glyphs: &str) -> String {
+    let column = column + glyphs.len() - glyphs.trim_start().len();
+    let ((x, y), glyphs) = (pixels(column, row), glyphs.trim());
+    if glyphs.is_empty() {
+        return String::new();
+    }
+    let class = if class.is_empty() { "".into() } else { format!(" class=\"{class}\"") };
+    let (y, (length, _)) = (y + 0.8 * CELL.1, pixels(glyphs.len(), 0));
     format!("<text{class} x=\"{x:.1}\" y=\"{y:.1}\" textLength=\"{length:.1}\">{glyphs}</text>\n")
+}
+
+/// Filled cells, from this one on.
+fn block(class: &str, (column, row): (usize, usize), count: usize) -> String {
+    let ((x, y), (length, height)) = (pixels(column, row), pixels(count, 1));
+    let size = format!("width=\"{length:.1}\" height=\"{height:.1}\"");
+    format!("<rect class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\" {size}/>\n")
+}
+
+/// The part of a picture in these columns and rows, with its top left corner in the cell `at`. `mark` gives
+/// the class of each cell, or nothing where it is not marked.
+fn part(
+    (picture, width): (&[u8], usize),
+    (columns, rows): (Range<usize>, Range<usize>),
+    at: (usize, usize),
+    mark: impl Fn(usize) -> &'static str,
+) -> String {
+    let mut svg = String::new();
+    for (y, row) in rows.enumerate() {
+        let cells: Vec<_> = columns.clone().map(|column| row * width + column).collect();
+        for alike in cells.chunk_by(|&a, &b| mark(a) == mark(b)) {
+            let (class, at) = (mark(alike[0]), (at.0 + alike[0] - cells[0], at.1 + y));
+            if !["", "wrong"].contains(&class) {
+                svg += &block(class, at, alike.len());
+            }
+            svg +=
+                &run(class, at, std::str::from_utf8(&picture[alike[0]..][..alike.len()]).unwrap());
+        }
+    }
+    svg
 }
 
 /// The moving picture. All frames are in one strip, one below another, and the strip moves up behind a
@@ -43,7 +91,7 @@ pub fn moving() -> String {
     const FRAMES: usize = 157;
     /// The rows of a frame, and an empty one as a margin.
     const ROWS: usize = 23;
-    /// The columns that are shown: those that the donut is seen in, in any of the frames, and a margin.
+    /// The columns that the donut is seen in, in any of the frames, and a margin.
     const COLUMNS: Range<usize> = 15..65;
     let spin = [2.0, 1.0].map(|turns| turns * TAU / FRAMES as f64);
     let (mut renderer, mut angles) = (Renderer::new(View::DONUT_C, Method::Classic), [0.0; 2]);
@@ -51,15 +99,7 @@ pub fn moving() -> String {
     for n in 0..FRAMES {
         renderer.render_frame(angles[0], angles[1]);
         angles = renderer.advance(angles, spin);
-        for (row, line) in renderer.framebuffer.chunks(80).enumerate() {
-            let line = std::str::from_utf8(line).unwrap().trim_end();
-            let glyphs = line.trim_start();
-            if !glyphs.is_empty() {
-                let column = line.len() - glyphs.len() - COLUMNS.start;
-                assert!(line.len() <= COLUMNS.end);
-                strip += &run(column, n * ROWS + row, "", glyphs);
-            }
-        }
+        strip += &part((&renderer.framebuffer, 80), (COLUMNS, 0..22), (0, n * ROWS), |_| "");
     }
     let style = format!(
         "{CELLS}g{{animation:film {:.2}s steps({FRAMES}) infinite}}\
@@ -72,319 +112,251 @@ pub fn moving() -> String {
     svg(title, pixels(COLUMNS.len(), ROWS), &style, &format!("<g>\n{strip}</g>\n"))
 }
 
-/// The part of a picture in these columns and rows, with its top left corner in the cell `at`. Cells that
-/// differ from exact's picture are filled.
-fn compared(
-    [drawn, exact]: [&[u8]; 2],
-    width: usize,
-    (columns, rows): (Range<usize>, Range<usize>),
-    at: (usize, usize),
-) -> String {
-    let mut cells = String::new();
-    for row in rows.clone() {
-        let (drawn, exact) = (&drawn[row * width..], &exact[row * width..]);
-        let kind = |&i: &usize| (drawn[i] != b' ', drawn[i] != exact[i]);
-        for part in columns.clone().collect::<Vec<_>>().chunk_by(|a, b| kind(a) == kind(b)) {
-            let (column, row) = (at.0 + part[0] - columns.start, at.1 + row - rows.start);
-            let glyphs: String = part.iter().map(|&i| char::from(drawn[i])).collect();
-            let (is_drawn, is_wrong) = kind(&part[0]);
-            if is_wrong {
-                let class = if is_drawn { "wrong" } else { "hole" };
-                cells += &block(class, column, row, part.len());
-            }
-            if is_drawn {
-                cells += &run(column, row, if is_wrong { " class=\"wrong\"" } else { "" }, &glyphs);
-            }
-        }
+/// How a cell is marked, in which this is drawn, and exact draws that.
+fn mark(drawn: u8, exact: u8) -> &'static str {
+    match (drawn, exact) {
+        _ if drawn == exact => "",
+        (b' ', _) => "hole",
+        (_, b' ') => "extra",
+        _ => "shade",
     }
-    cells
 }
 
-/// Filled cells, from this column and row on.
-fn block(class: &str, column: usize, row: usize, count: usize) -> String {
-    let ((x, y), (length, height)) = (pixels(column, row), pixels(count, 1));
-    let size = format!("width=\"{length:.1}\" height=\"{height:.1}\"");
-    format!("<rect class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\" {size}/>\n")
-}
-
-/// One pose in both methods, side by side. Where classic differs from exact, it has another colour.
+/// Frame 252 of donut.c, by classic and by exact, side by side.
 pub fn two_methods() -> String {
-    /// The columns that are shown. (The rows from 15 on are below the donut.)
-    const COLUMNS: Range<usize> = 6..37;
-    let view = fitted(40, 17);
+    /// The columns and the rows that the donut is seen in.
+    const PART: (Range<usize>, Range<usize>) = (17..54, 1..22);
+    let view = View::DONUT_C;
     let [classic, exact] =
-        [Method::Classic, Method::Exact].map(|method| draw(method, view, 0.35, 0.5));
-    // One cell of margin all round, two cells between the pictures, and a row for the methods' names.
-    let right = 1 + COLUMNS.len() + 2;
-    let mut texts = String::new();
-    for (picture, name, left) in [(&classic, "classic", 1), (&exact, "exact", right)] {
-        texts += &run(left, 1, "", name);
-        texts += &compared([picture, &exact], view.width, (COLUMNS, 0..15), (left, 2));
-    }
+        [Method::Classic, Method::Exact].map(|method| draw(method, view, 10.08, 5.04));
+    let mark = |cell: usize| mark(classic[cell], exact[cell]);
+    let count = |wanted| (0..classic.len()).filter(|&cell| mark(cell) == wanted).count();
+    let surface = exact.iter().filter(|&&glyph| glyph != b' ').count();
+    let [shade, extra] = ["shade", "extra"].map(count);
+    let different = 100 * (shade + extra) / surface;
+    let (left, right, below) = (2, 2 + PART.0.len() + 4, 5 + PART.1.len());
+    let contents = [
+        words("title", (left, 1), "classic"),
+        words("caption", (left, 2), "the nearest point in a cell"),
+        part((&classic, view.width), PART, (left, 4), mark),
+        words("title", (right, 1), "exact"),
+        words("caption", (right, 2), "the point at a cell's centre"),
+        part((&exact, view.width), PART, (right, 4), |_| ""),
+        block("shade", (left, below), 2),
+        words("caption", (left + 3, below), &format!("another character: {shade} cells")),
+        block("extra", (left, below + 1), 2),
+        words("caption", (left + 3, below + 1), &format!("blank in exact: {extra} cells")),
+        words("caption", (right, below), &format!("the donut: {surface} cells")),
+        words("caption", (right, below + 1), &format!("different: {different}%")),
+    ];
     let title = "A donut drawn by classic, and the same donut drawn by exact";
-    svg(title, pixels(right + COLUMNS.len() + 1, 18), &format!("{CELLS}{WRONG}"), &texts)
+    svg(title, pixels(right + PART.0.len() + 2, below + 3), CELLS, &contents.concat())
 }
 
-/// Methods that fail, each in a scene of the study's table. Of the ten poses, this shows the one with the
-/// most wrong cells, and of its picture, the part with the most.
+/// Methods that fail, each in a scene of the study's table, beside the same part of the picture by exact.
 pub fn failures() -> String {
-    /// The columns and rows of a part.
-    const PART: (usize, usize) = (46, 20);
-    let mut texts = String::new();
-    let shown = [
-        ("donut.c's steps", "gaps", "--k2 3.003"),
-        ("Sphere tracing", "the outline is nibbled", "--k2 3.003"),
-        ("Newton", "the far wall shows", "--k2 50"),
-        ("Ferrari, f32", "large terms cancel", "--k2 50"),
-        ("Ferrari, f64", "division by almost 0", "edge-on"),
-        ("Ferrari, f64", "large terms cancel", "--k2 50000"),
+    /// The columns and the rows of a part.
+    const PART: (usize, usize) = (35, 12);
+    let (left, right) = (2, 2 + PART.0 + 3);
+    let mut contents = [
+        block("hole", (left, 1), 2),
+        words("caption", (left + 3, 1), "blank, but not in exact"),
+        block("extra", (right, 1), 2),
+        words("caption", (right + 3, 1), "blank in exact"),
+        block("shade", (left, 2), 2),
+        words("caption", (left + 3, 2), "another character"),
+        words("caption", (right, 2), "right: the same by exact"),
+    ]
+    .concat();
+    let titles = [
+        ("Gaps", "donut.c's steps at --k2 3.03: too few samples"),
+        ("A bitten outline", "sphere tracing: grazing rays run out of their 16 steps"),
+        ("Noise", "Ferrari's formula in f32 at --k2 50: rounding errors"),
     ];
-    for (n, (name, failure, scene)) in shown.into_iter().enumerate() {
-        let (_, view, poses) = scenes().into_iter().find(|other| other.0 == scene).unwrap();
-        let mut methods = compared_methods(view);
-        methods.retain(|method| [name, "Exact"].contains(&&*method.0));
-        let pictures = poses.into_iter().map(|(a, b)| [0, 1].map(|i| methods[i].1(a, b)));
-        let wrong = |[drawn, exact]: &[Vec<u8>; 2], columns: Range<usize>, rows: Range<usize>| {
-            let cells = rows.flat_map(|row| columns.clone().map(move |i| row * view.width + i));
-            cells.filter(|&cell| drawn[cell] != exact[cell]).count()
-        };
-        let pictures = pictures.max_by_key(|both| wrong(both, 0..view.width, 0..view.height));
-        let pictures = pictures.unwrap();
-        let part = |(column, row)| (column..column + PART.0, row..row + PART.1);
-        let count = |corner| wrong(&pictures, part(corner).0, part(corner).1);
-        let columns_and_rows = (0..=view.height - PART.1)
-            .flat_map(|row| (0..=view.width - PART.0).map(move |column| (column, row)));
-        let corners: Vec<_> = columns_and_rows.map(|corner| (count(corner), corner)).collect();
-        // If the donut has room in several parts, it is in the middle of this one.
-        let most = corners.iter().map(|corner| corner.0).max().unwrap();
-        let mut best = corners.iter().filter(|corner| corner.0 == most).map(|corner| corner.1);
-        let (first, last) = (best.clone().next().unwrap(), best.next_back().unwrap());
-        let corner = ((first.0 + last.0) / 2, (first.1 + last.1) / 2);
-        let (left, top) = (2 + n % 3 * (PART.0 + 4), 4 + n / 3 * (PART.1 + 6));
-        let (x, y) = pixels(left, top);
-        let title = format!("{failure}<tspan x=\"{x:.1}\" dy=\"28\">{name}, {scene}</tspan>");
-        texts += &format!("<text class=\"name\" x=\"{x:.1}\" y=\"{y:.1}\">{title}</text>\n");
-        let both = pictures.each_ref().map(Vec::as_slice);
-        texts += &compared(both, view.width, part(corner), (left, top + 2));
-    }
-    // The key.
-    for (class, column, name) in [("wrong", 2, "a wrong character"), ("hole", 38, "a wrong blank")]
+    let shown = [
+        ("classic with donut.c's steps", "`--k2 3.03`", 2, (40, 8)),
+        ("sphere tracing 16", "80x22", 6, (19, 4)),
+        ("Ferrari f32", "`--k2 50`", 9, (76, 13)),
+    ];
+    for (n, ((title, caption), (name, scene, pose, corner))) in
+        titles.into_iter().zip(shown).enumerate()
     {
-        let (x, y) = pixels(column, 2);
-        texts += &block(class, column, 1, 3);
-        let x = x + 4.0 * CELL.0;
-        texts += &format!("<text class=\"name\" x=\"{x:.1}\" y=\"{y:.1}\">{name}</text>\n");
+        let (_, view, poses) = scenes().into_iter().find(|other| other.0 == scene).unwrap();
+        let [drawn, exact] = [name, "exact"].map(|name| {
+            let (_, mut draw) = methods(view).into_iter().find(|method| method.0 == name).unwrap();
+            draw(poses[pose].0, poses[pose].1)
+        });
+        let mark = |cell: usize| mark(drawn[cell], exact[cell]);
+        let cells = || (corner.0..corner.0 + PART.0, corner.1..corner.1 + PART.1);
+        let top = 4 + n * (PART.1 + 5);
+        contents += &words("title", (left, top), title);
+        contents += &words("caption", (left, top + 1), caption);
+        contents += &part((&drawn, view.width), cells(), (left, top + 3), mark);
+        contents += &part((&exact, view.width), cells(), (right, top + 3), |_| "");
     }
-    let style = format!("{CELLS}{WRONG}.name{{font-size:25px}}tspan{{fill:#9aa3ad}}");
-    let title = "Frames of methods that fail, with the wrong cells in orange";
-    svg(title, pixels(3 * (PART.0 + 4), 2 * (PART.1 + 6) + 1), &style, &texts)
+    let title = "Three methods that fail, beside exact, with their wrong cells marked";
+    svg(title, pixels(right + PART.0 + 2, 3 + 3 * (PART.1 + 5)), CELLS, &contents)
 }
 
 // ---- Charts --------------------------------------------------------------------------------------
 
-const STYLE: &str = "rect,circle,text{fill:currentColor}\
-    polyline{fill:none;stroke:currentColor;stroke-width:2}.grid{stroke-width:1}\
-    text{font:13px system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif;paint-order:stroke;\
-    stroke:#ffffff;stroke-width:4px;stroke-linejoin:round}.title{font-size:16px}\
-    circle{stroke:#ffffff;stroke-width:1px}\n\
-    rect{color:#ffffff}.grid{color:#e2e5e9}.ink{color:#24292f}.grey{color:#5c646e}\
-    .faint{color:#e2a478}.orange{color:#bc4c00}.green{color:#116329}.blue{color:#0550ae}\
-    .purple{color:#7d35b5}\n\
-    @media(prefers-color-scheme:dark){text,circle{stroke:#0d1117}\
-    rect{color:#0d1117}.grid{color:#2b313a}.ink{color:#e6edf3}.grey{color:#a0a8b2}\
-    .faint{color:#7a4c2a}.orange{color:#f0883e}.green{color:#56d364}.blue{color:#79c0ff}\
-    .purple{color:#d2a8ff}}";
+const STYLE: &str = "circle,text,path{fill:currentColor}polyline,.arrow,.box{fill:none;stroke:currentColor}\
+    polyline,.arrow{stroke-width:2}polyline.grid{stroke-width:1}.box{stroke-width:1.5}\
+    text{font:15px system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif;paint-order:stroke;\
+    stroke-width:4px;stroke-linejoin:round}text.title{font-size:18px;font-weight:bold}\
+    circle.ring{stroke:currentColor;stroke-width:2px}\n\
+    .page,circle.ring{fill:#ffffff}text{stroke:#ffffff}\
+    .grid{color:#e2e5e9}.ink{color:#24292f}.grey{color:#5c646e}.orange{color:#bc4c00}\
+    .green{color:#116329}.blue{color:#0550ae}.purple{color:#7d35b5}.red{color:#b3243c}\n\
+    @media(prefers-color-scheme:dark){.page,circle.ring{fill:#0d1117}text{stroke:#0d1117}\
+    .grid{color:#2b313a}.ink{color:#e6edf3}.grey{color:#a0a8b2}.orange{color:#f0883e}\
+    .green{color:#56d364}.blue{color:#79c0ff}.purple{color:#d2a8ff}.red{color:#ff8b98}}";
 
-struct Axis {
-    title: &'static str,
-    scale: fn(f64) -> f64,
-    /// The values at the two ends.
-    ends: [f64; 2],
-    /// The marked values, and their names.
-    marks: &'static [f64],
-    names: &'static [&'static str],
+/// Where the scales of a chart are, in pixels: the left end and the right end, and the top and the bottom.
+const ENDS: (f64, f64) = (58.0, 500.0);
+const SPAN: (f64, f64) = (92.0, 310.0);
+/// The scale of wrong cells ends here. Being logarithmic, it has no place for 0, so the methods without a
+/// wrong cell are in a box below it.
+const LEAST: f64 = 0.03;
+const BOX: (f64, f64) = (324.0, 402.0);
+const ROWS: [&str; 3] = ["exact", "closed form", "Ferrari f64"];
+
+fn line(class: &str, points: &[(f64, f64)]) -> String {
+    let points: Vec<_> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+    format!("<polyline class=\"{class}\" points=\"{}\"/>\n", points.join(" "))
 }
 
-const TIME_AT_80X22: Axis = Axis {
-    title: "time of a frame in µs (logarithmic scale)",
-    scale: f64::log10,
-    ends: [5.0, 3000.0],
-    marks: &[10.0, 30.0, 100.0, 300.0, 1000.0],
-    names: &["10", "30", "100", "300", "1000"],
-};
-
-const TIME_AT_200X60: Axis = Axis {
-    ends: [35.0, 21_000.0],
-    marks: &[100.0, 300.0, 1000.0, 3000.0, 10_000.0],
-    names: &["100", "300", "1000", "3000", "10,000"],
-    ..TIME_AT_80X22
-};
-
-const WRONG_CELLS: Axis = Axis {
-    title: "wrong cells, as % of the donut's cells (cube-root scale)",
-    // A cube root spreads small shares out, as a logarithm does, but it also has a place for 0.
-    scale: f64::cbrt,
-    ends: [-0.3, 95.0],
-    marks: &[0.0, 0.1, 1.0, 5.0, 10.0, 20.0, 40.0, 60.0],
-    names: &["0%", "0.1%", "1%", "5%", "10%", "20%", "40%", "60%"],
-};
-
-const MINUTE: f64 = 60.0 * 30.0;
-const HOUR: f64 = 60.0 * MINUTE;
-const DAY: f64 = 24.0 * HOUR;
-
-const RUNNING_TIME: Axis = Axis {
-    title: "running time, at 30 frames a second (logarithmic scale)",
-    scale: f64::log10,
-    ends: [0.6 * MINUTE, 30.0 * DAY],
-    marks: &[MINUTE, HOUR, 31.0 * HOUR, 9.0 * DAY],
-    names: &["1 minute", "1 hour", "31 hours", "9 days"],
-};
-
-const TURNS: Axis = Axis {
-    title: "largest error of A so far, in turns (logarithmic scale)",
-    scale: f64::log10,
-    ends: [5e-5, 1e5],
-    marks: &[0.001, 0.1, 1.0, 10.0, 1000.0],
-    names: &["0.001", "0.1", "1", "10", "1,000"],
-};
-
-/// A chart, whose title says what it shows, and whose curves have labels instead of a key.
-struct Chart {
-    height: f64,
-    x: &'static Axis,
-    y: &'static Axis,
-    svg: String,
+fn circle(class: &str, (x, y): (f64, f64), radius: u32) -> String {
+    format!("<circle class=\"{class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>\n")
 }
 
-impl Chart {
-    fn new(title: &str, height: f64, x: &'static Axis, y: &'static Axis) -> Chart {
-        let ([left, right], [bottom, top]) = (x.ends, y.ends);
-        let mut chart = Chart { height, x, y, svg: String::new() };
-        for (&at, name) in x.marks.iter().zip(x.names) {
-            chart.line("grid", &[(at, bottom), (at, top)]);
-            chart.text("grey", (at, bottom), (0.0, 13.0), "middle", name);
+/// The label of a dot: its size and method, how far from it the label is, which end of the label is there,
+/// and the words, with # for the time.
+type Label<'a> = (&'a str, &'a str, (f64, f64), &'a str, &'a str);
+
+/// A chart of the time of a frame, to the right, and of the wrong cells, upward. Methods whose names begin
+/// with `hidden` are left out. At the second size, the dots are rings.
+fn chart(times: (f64, f64), sizes: &[&str], hidden: &str, labels: &[Label]) -> String {
+    let ((left, right), (top, bottom), (box_top, end)) = (ENDS, SPAN, BOX);
+    let x = |time: f64| left + (right - left) * (time / times.0).ln() / (times.1 / times.0).ln();
+    let y = |name: &str, share: f64| match ROWS.iter().position(|row| name.starts_with(row)) {
+        Some(row) if share == 0.0 => {
+            box_top + (end - box_top) * (row as f64 + 0.5) / ROWS.len() as f64
         }
-        for (&at, name) in y.marks.iter().zip(y.names) {
-            chart.line("grid", &[(left, at), (right, at)]);
-            chart.text("grey", (left, at), (-8.0, 0.0), "end", name);
-        }
-        chart.text("ink title", (left, top), (-48.0, -44.0), "start", title);
-        chart.text("ink", (left, top), (-48.0, -20.0), "start", y.title);
-        chart.text("ink", (right, bottom), (0.0, 33.0), "end", x.title);
-        chart
-    }
-
-    /// Where a point is, in pixels.
-    fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
-        let part = |axis: &Axis, value| {
-            let [start, end, value] = [axis.ends[0], axis.ends[1], value].map(axis.scale);
-            (value - start) / (end - start)
-        };
-        (60.0 + 435.0 * part(self.x, x), 62.0 + (self.height - 115.0) * (1.0 - part(self.y, y)))
-    }
-
-    fn line(&mut self, color: &str, points: &[(f64, f64)]) {
-        let places = points.iter().map(|&point| self.place(point));
-        let places = places.map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ");
-        self.svg += &format!("<polyline class=\"{color}\" points=\"{places}\"/>\n");
-    }
-
-    fn dot(&mut self, color: &str, at: (f64, f64), radius: u32) {
-        let (x, y) = self.place(at);
-        self.svg +=
-            &format!("<circle class=\"{color}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>\n");
-    }
-
-    /// Writes a text, so many pixels from a point. `anchor` says which part of the text is there.
-    fn text(&mut self, color: &str, at: (f64, f64), by: (f64, f64), anchor: &str, text: &str) {
-        let (x, y) = self.place(at);
-        let (x, y) = (x + by.0, y + by.1 + 4.5);
-        let place = format!("x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\"");
-        self.svg += &format!("<text class=\"{color}\" {place}>{text}</text>\n");
-    }
-}
-
-/// The name of a method, how to draw its dot, and where its label is: how far from the dot, and which part of
-/// the label is there. In the label, # stands for the time.
-type Label = (&'static str, &'static str, u32, (f64, f64), &'static str, &'static str);
-
-const LABELS: [Label; 16] = [
-    ("classic x4", "faint", 3, (-3.0, -13.0), "start", "classic, steps 4x as long"),
-    ("classic x2", "faint", 3, (-3.0, -13.0), "start", "2x as long"),
-    ("classic x1", "orange", 6, (0.0, 18.0), "middle", "classic, # µs"),
-    ("classic x1/2", "faint", 3, (-3.0, -13.0), "start", "half as long"),
-    ("classic x1/4", "faint", 3, (-3.0, -13.0), "start", "1/4 as long"),
-    ("donut.c as written", "ink", 6, (0.0, 18.0), "middle", "literal donut.c, # µs"),
-    ("donut.c's steps", "orange", 3, (4.0, -14.0), "start", "donut.c's steps"),
-    ("sphere tracing 8", "blue", 3, (9.0, -2.0), "start", "sphere tracing, 8 steps"),
-    ("sphere tracing 64", "blue", 3, (-9.0, 2.0), "end", "64 steps"),
-    ("sphere tracing 256", "blue", 3, (9.0, -6.0), "start", "256 steps"),
-    ("Ferrari f32", "purple", 3, (9.0, 0.0), "start", "Ferrari, f32"),
-    ("Ferrari f64", "purple", 3, (9.0, 0.0), "start", "Ferrari, f64"),
-    ("Newton", "purple", 3, (9.0, 0.0), "start", "Newton"),
-    ("exact", "green", 8, (0.0, 18.0), "middle", "exact, # µs"),
-    ("exact one ray at a time", "green", 7, (-5.0, 17.0), "start", "exact, one ray at a time"),
-    ("closed form f64", "purple", 3, (-5.0, 33.0), "start", "closed form"),
-];
-
-/// A dot for each method: to the right is the time of a frame in microseconds, and upward the share of
-/// wrong cells in per cent.
-fn panel(title: &str, size: &str, time: &'static Axis) -> Chart {
-    let mut chart = Chart::new(&format!("{size}: {title}"), 400.0, time, &WRONG_CELLS);
-    let steps = ["x4", "x2", "x1", "x1/2", "x1/4"];
-    chart.line("faint", &steps.map(|steps| time_and_share(size, &format!("classic {steps}"))));
-    let tracing = [8, 16, 32, 64, 256].map(|steps| format!("sphere tracing {steps}"));
-    let tracing = tracing.map(|name| time_and_share(size, &name));
-    chart.line("blue", &tracing);
-    tracing.iter().for_each(|&at| chart.dot("blue", at, 3));
-    for (name, color, radius, by, anchor, label) in LABELS {
-        let by = match (size, name) {
-            // In this picture, classic has donut.c's steps.
-            ("80x22", "donut.c's steps") => continue,
-            // Here, these would be in the way of others.
-            ("200x60", "classic x2") => (2.0, -10.0),
-            ("200x60", "sphere tracing 8") => (16.0, 20.0),
-            _ => by,
-        };
-        let at = time_and_share(size, name);
-        let decimals = usize::from(at.0 < 100.0);
-        let label = label.replace('#', &format!("{:.decimals$}", at.0));
-        chart.dot(color, at, radius);
-        chart.text(if color == "faint" { "grey" } else { color }, at, by, anchor, &label);
-    }
-    chart
-}
-
-/// Both sizes, one above the other.
-pub fn speed_and_accuracy() -> String {
-    let small = panel("donut.c's own picture", "80x22", &TIME_AT_80X22);
-    let large = panel("a full screen", "200x60", &TIME_AT_200X60);
-    let title = "The fastest without a wrong cell: exact, eight rays at a time";
-    let panels = format!(
-        "<text class=\"ink title\" x=\"12\" y=\"26\">{title}</text>\n\
-         <g transform=\"translate(0 34)\">\n{}</g>\n<g transform=\"translate(0 {})\">\n{}</g>\n",
-        small.svg,
-        34.0 + small.height,
-        large.svg
+        _ => bottom - (bottom - top) * (share / LEAST).ln() / (100.0 / LEAST).ln(),
+    };
+    let color = |name: &str| match name.split(' ').next().unwrap() {
+        "exact" => "green",
+        "classic" => "orange",
+        "sphere" => "blue",
+        "Newton" => "red",
+        "donut.c" => "ink",
+        _ => "purple",
+    };
+    let mut contents = format!(
+        "<rect class=\"box green\" x=\"{left}\" y=\"{box_top}\" width=\"{}\" height=\"{}\" rx=\"6\"/>\n\
+         <path class=\"arrow grey\" d=\"M106 264l-28 28\"/>\n\
+         <path class=\"grey\" d=\"M72 298l4 -15l11 11z\"/>\n",
+        right - left,
+        end - box_top
     );
-    svg(title, (520.0, 34.0 + small.height + large.height), STYLE, &panels)
+    for (class, at, anchor, words) in [
+        ("title ink", (12.0, 30.0), "start", "Exact is the fastest method with no wrong cells"),
+        ("ink", (12.0, 60.0), "start", "wrong cells, in % of the donut's cells"),
+        ("ink", (right, end + 46.0), "end", "time per frame"),
+        ("grey", (left - 8.0, (box_top + end) / 2.0 + 5.0), "end", "0"),
+        ("grey", (112.0, 264.0), "start", "better"),
+    ] {
+        contents += &text(class, at, anchor, words);
+    }
+    for (time, name) in [(10.0, "10 µs"), (100.0, "100 µs"), (1000.0, "1 ms"), (10_000.0, "10 ms")]
+    {
+        if time < times.1 {
+            contents += &line("grid", &[(x(time), top), (x(time), end)]);
+            contents += &text("grey", (x(time), end + 21.0), "middle", name);
+        }
+    }
+    for (share, name) in [(100.0, "100%"), (10.0, "10%"), (1.0, "1%"), (0.1, "0.1%")] {
+        let y = y("", share);
+        contents += &line("grid", &[(left, y), (right, y)]);
+        contents += &text("grey", (left - 8.0, y + 5.0), "end", name);
+    }
+    let mut words = String::new();
+    for (n, &size) in sizes.iter().enumerate() {
+        let ring = ["", " ring"][n];
+        contents += &circle(&format!("ink{ring}"), (330.0 + 90.0 * n as f64, 55.0), 5);
+        contents += &text("ink", (342.0 + 90.0 * n as f64, 60.0), "start", size);
+        let mut methods = measured(size);
+        methods.retain(|method| !method.0.starts_with(hidden));
+        methods.sort_by(|one, other| one.1.total_cmp(&other.1));
+        let fastest = methods.iter().find(|method| method.2 == 0.0).unwrap();
+        assert_eq!(fastest.0, "exact", "the title is wrong");
+        for family in ["sphere", "classic", "exact", "closed"] {
+            let members = methods.iter().filter(|method| method.0.starts_with(family));
+            let points: Vec<_> =
+                members.map(|(name, time, share)| (x(*time), y(name, *share))).collect();
+            contents += &line(color(family), &points);
+        }
+        for (name, time, share) in methods {
+            let (x, y) = (x(time), y(&name, share));
+            let radius = if ["exact", "classic", "closed form", "donut.c (C)"].contains(&&*name) {
+                6
+            } else {
+                4
+            };
+            contents += &circle(&format!("{}{ring}", color(&name)), (x, y), radius);
+            for &(_, _, by, anchor, label) in
+                labels.iter().filter(|label| (label.0, label.1) == (size, &*name))
+            {
+                let label = label.replace('#', &format!("{time:.0} µs"));
+                words += &text(color(&name), (x + by.0, y + by.1 + 5.0), anchor, &label);
+            }
+        }
+    }
+    svg("Speed and accuracy of each method", (520.0, end + 62.0), STYLE, &(contents + &words))
 }
 
-/// The largest error of donut.c's angle A so far, over the running time.
-pub fn drift(errors: &[(f64, f64)]) -> String {
-    let title = "donut.c's angle A is a whole turn off in 1.8 hours";
-    let mut chart = Chart::new(title, 360.0, &RUNNING_TIME, &TURNS);
-    let points = errors.iter().map(|&(frame, error)| (frame, error / TAU));
-    let shown = points.filter(|point| (RUNNING_TIME.ends[0]..=STOPPED).contains(&point.0));
-    let points: Vec<_> = shown.collect();
-    chart.line("orange", &points);
-    for (event, name) in
-        [(FASTER, "here A begins to turn 17% too fast"), (STOPPED, "A stands still")]
-    {
-        let at = *points.iter().find(|&&(frame, _)| frame == event).unwrap();
-        chart.dot("ink", at, 5);
-        chart.text("ink", at, (-10.0, -4.0), "end", name);
-    }
-    svg(title, (520.0, chart.height), STYLE, &chart.svg)
+/// The chart of the README.
+pub fn one_size() -> String {
+    const SIZE: &str = "80x22";
+    let (left, right) = ((-12.0, 0.0), (11.0, 0.0));
+    let labels = [
+        (SIZE, "donut.c (C)", (8.0, -17.0), "end", "donut.c in C, #"),
+        (SIZE, "donut.c (translated)", (8.0, 17.0), "end", "translated, #"),
+        (SIZE, "classic", left, "end", "classic, #"),
+        (SIZE, "sphere tracing 8", right, "start", "8 steps"),
+        (SIZE, "sphere tracing 16", left, "end", "sphere tracing"),
+        (SIZE, "sphere tracing 64", right, "start", "64 steps"),
+        (SIZE, "sphere tracing 256", right, "start", "256 steps"),
+        (SIZE, "Newton from one start", right, "start", "Newton, one start"),
+        (SIZE, "Ferrari f32", left, "end", "Ferrari, f32"),
+        (SIZE, "Ferrari f64", left, "end", "Ferrari, f64"),
+        (SIZE, "closed form", left, "end", "closed form"),
+        (SIZE, "exact", left, "end", "exact, #"),
+        (SIZE, "exact one ray at a time", right, "start", "one ray at a time"),
+    ];
+    chart((3.0, 1300.0), &[SIZE], "classic ", &labels)
+}
+
+/// The chart of the study.
+pub fn two_sizes() -> String {
+    let (small, large) = ("80x22", "200x60");
+    let (left, right) = ((-12.0, 0.0), (11.0, 0.0));
+    let labels = [
+        (small, "classic steps x2", (-10.0, -18.0), "start", "classic, steps twice as long"),
+        (small, "classic steps x1/4", (11.0, -2.0), "start", "a quarter as long"),
+        (large, "classic", (0.0, 18.0), "middle", "classic"),
+        (small, "sphere tracing 8", left, "end", "8 steps"),
+        (small, "sphere tracing 16", left, "end", "sphere tracing"),
+        (large, "sphere tracing 256", right, "start", "256 steps"),
+        (small, "Newton from one start", (-2.0, -17.0), "middle", "Newton, one start"),
+        (large, "Newton from one start", right, "start", "Newton"),
+        (small, "Ferrari f32", left, "end", "Ferrari, f32"),
+        (large, "Ferrari f32", (6.0, 17.0), "middle", "Ferrari, f32"),
+        (small, "Ferrari f64", left, "end", "Ferrari, f64"),
+        (small, "closed form", left, "end", "closed form"),
+        (small, "exact", left, "end", "exact"),
+        (large, "exact one ray at a time", right, "start", "one ray at a time"),
+    ];
+    chart((3.0, 12_000.0), &[small, large], "donut.c ", &labels)
 }
