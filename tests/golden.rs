@@ -8,7 +8,7 @@ use std::fs;
 use std::io::Read;
 use std::process::{Command, Stdio};
 
-use program::{Program, frames};
+use program::{Program, frames, within_a_minute};
 use sha2::{Digest, Sha256};
 
 fn output_of(options: &str) -> String {
@@ -59,8 +59,9 @@ fn the_donut_shaped_source_is_a_program_that_writes_donut_cs_frames() {
     let mut shaped = Program::start(program, "", Stdio::piped());
     let expected = output_of("--frames=5 --fps=0");
     let mut written = vec![0; expected.len()];
-    shaped.0.stdout.take().unwrap().read_exact(&mut written).unwrap();
-    assert!(written == expected.as_bytes());
+    let mut pipe = shaped.0.stdout.take().unwrap();
+    let written = within_a_minute(move || pipe.read_exact(&mut written).map(|()| written));
+    assert!(written.unwrap() == expected.as_bytes());
 }
 
 #[test]
