@@ -1,14 +1,14 @@
 //! donut.c, Andy Sloane's spinning ASCII torus of 2006, in Rust.
 //!
-//! donut.c draws a picture of 80 by 22 characters, for a terminal of 80 columns and 24 rows. At this size,
-//! this program draws the same picture, byte for byte. A picture of any other size has no original to match,
-//! so it is ray-traced. (Options can choose the size and the method.)
+//! donut.c draws a picture of 80 by 22 characters, for a terminal of 80 columns and 24 rows. There, this
+//! program draws the same picture, byte for byte, unless an option asks for another. A picture of any other
+//! size has no original to match, so it is ray-traced.
 //!
 //! # How donut.c draws a donut
 //!
-//! A torus is the surface swept by a small circle whose centre travels round a large one. The surface is a
-//! tube, and the large circle, in the middle of the tube, is the ring. Here is the torus of the first frame,
-//! cut in half and seen from the side. The viewer is on the left:
+//! A torus is the surface that a small circle sweeps while its centre travels round a large circle, always at
+//! a right angle to it. The surface is a tube, and the large circle, in the middle of the tube, is the ring.
+//! Here is the torus of the first frame, cut in half and seen from the side. The viewer is on the left:
 //! ```text
 //!                                .-.
 //!           screen              ( +-)--  R1, the radius of the tube
@@ -24,22 +24,23 @@
 //! ```
 //! K2 is the distance from the viewer to the centre of the donut. donut.c has R1 = 1, R2 = 2 and K2 = 5, so
 //! its unit of length is the radius of the tube. The screen is a grid of cells, one for each character. K1,
-//! the distance from the viewer to the screen, only sets the scale of the picture. So its unit is that of the
-//! picture, the cell: it is 30 columns, or 15 rows, since a cell is twice as tall as it is wide. To the
+//! the distance from the viewer to the screen, only sets the scale of the picture. So it is measured in
+//! cells, like the picture: K1 is 30 columns, or 15 rows, since a cell is twice as tall as it is wide. To the
 //! viewer, the x axis points right, the y axis points *down*, and the z axis points away.
 //!
 //! **Samples.** donut.c represents the surface by samples. The angle theta goes round the tube in steps of
 //! 0.07, and the angle phi goes round the ring in steps of 0.02. Each pair of angles gives one sample: a
 //! point of the surface, and the normal there, a vector of length 1 in the direction that the surface faces.
-//! The point is at the distance h from the axis, and f from the plane of the ring (negative on one side of
-//! it):
+//! The point is at distance h from the axis, and at distance f from the plane of the ring (f is negative on
+//! one side of it):
 //! ```text
 //! h = R2 + R1 cos theta      point   (h cos phi, h sin phi, f)
 //! f = R1 sin theta           normal  (cos theta cos phi, cos theta sin phi, sin theta)
 //! ```
 //! **Rotation.** The donut is rotated by the angle A about the x axis, and then by B about the z axis. Each
 //! frame adds 0.04 to A and 0.02 to B. The rotations take the point to (X, Y, Z), measured from the donut's
-//! centre; t is its y after the first one. The normal is rotated in the same way.
+//! centre; t is the point's y after the first rotation. The normal is rotated by the same formulas, with cos
+//! theta for h and sin theta for f.
 //! ```text
 //! t = h sin phi cos A - f sin A
 //! X = h cos phi cos B - t sin B
@@ -47,9 +48,10 @@
 //! Z = h sin phi sin A + f cos A
 //! ```
 //! **Perspective.** The depth of the point, `z = Z + K2`, is its distance from the viewer along the z axis.
-//! Things twice as far away look half as large, so the point appears `K1 X / z` to the right of the donut's
-//! centre, and `K1 Y / z` below it. donut.c puts this centre at column 40 and row 12 of its 80x22 cells. That
-//! is below the middle, so in some poses the lowest part is cut off. (So is a little at the top, in row 0.)
+//! Things twice as far away look half as large, so the point appears `K1 X / z` to the right of where the
+//! donut's centre appears, and `K1 Y / z` below it. donut.c shows the centre at column 40 and row 12 of its
+//! 80x22 cells. That is below the middle, so in some poses the lowest part is cut off. (A little is lost at
+//! the top, too, because donut.c draws nothing in row 0.)
 //!
 //! **The z-buffer.** Many samples fall into the same cell, and the cell shows the nearest of them. To find
 //! it, a z-buffer keeps the largest 1/z so far for each cell. (The perspective needs 1/z anyway, and 0 can
@@ -61,9 +63,9 @@
 //! 0 to 11, into a ramp of twelve characters from dark to bright, `.,-~:;=!*#$@`. Where L is negative, the
 //! surface faces away from the light, and the index is 0.
 //!
-//! The letters R1, R2, K1, K2, A, B and L are those of the [article] in which Andy Sloane explains donut.c.
-//! A and B, however, are those of donut.c itself: its A is pi/2 minus the article's A, and its B is minus the
-//! article's B. All angles are in radians.
+//! The letters R1, R2, K1, K2, A, B and L are those of the [article] in which Andy Sloane explains donut.c,
+//! but the angles A and B are counted as in donut.c itself: its A is pi/2 minus the article's A, and its B is
+//! minus the article's B. All angles are in radians.
 //!
 //! # Two methods
 //!
@@ -72,11 +74,12 @@
 //! the cell, and the cell shows the first point of the donut that the ray hits.
 //!
 //! Both methods work on eight samples or rays at a time, in vector instructions. A value of the types `f32x8`
-//! and `f64x8`, from the crate wide, is eight numbers, its *lanes*. A formula reads as if for one number and
-//! is computed in every lane, without hoping for the optimiser. Each lane rounds as a single number would;
-//! otherwise, `classic` could not match byte for byte. A plain number stands for itself in every lane. A
-//! comparison gives a mask: `mask.select(x, y)` is x in the lanes where the comparison is true and y in the
-//! others, and `mask.any()` says whether it is true in any.
+//! and `f64x8`, from the crate wide, is eight numbers, its *lanes*. A formula is written as for one number
+//! and computed in every lane, whether or not the optimiser would vectorise a loop. Each lane rounds as a
+//! single number would; otherwise, `classic` could not match byte for byte. A plain number stands for itself
+//! in every lane. A comparison gives a mask: `mask.select(x, y)` is x in the lanes where the comparison is
+//! true and y in the others, and `mask.any()` says whether it is true in any. Of a number and NaN, `max` is
+//! the number; `fast_max` is for numbers that are not NaN.
 //!
 //! Below are the view, the drawing, the two methods, the options, the loop, and last the terminal.
 //!
@@ -110,9 +113,9 @@ use {
 
 /// The donut's proportions, the size of the picture, and how the donut is projected onto the picture.
 ///
-/// Lengths are in radii of the tube, so that R1 is 1. Places in the picture are measured in cells:
-/// the cell in column c and row r reaches from c to c + 1 across, and from r to r + 1 down. The point
-/// (X, Y, Z) appears at `x = cx + k1x X / (Z + K2)` and `y = cy + k1y Y / (Z + K2)`.
+/// Lengths are in radii of the tube, so that R1 is 1. Places in the picture are measured in cells: the cell
+/// in column c and row r reaches from c to c + 1 across, and from r to r + 1 down. The point (X, Y, Z)
+/// appears at `x = cx + k1x X / (Z + K2)` and `y = cy + k1y Y / (Z + K2)`.
 ///
 /// Nothing is drawn in column 0 or in row 0: in place of column 0, donut.c prints a newline, and its test
 /// `y > 0` leaves out row 0. This holds for both methods, so that their pictures can be laid over each other.
@@ -153,10 +156,10 @@ impl View {
     }
 }
 
-/// How large the donut can look: the radius of the outline of its bounding sphere, on a screen at the
-/// distance 1. However the donut is rotated, it just fits into this sphere, whose radius is R1 + R2.
-/// A ray to the outline touches the sphere, at a right angle to the sphere's radius there. So this is the
-/// tangent of an angle of the right triangle whose hypotenuse, from the viewer to the centre, is K2.
+/// How large the donut can look: the radius of the outline of its bounding sphere, on a screen at distance 1.
+/// However the donut is rotated, it just fits into this sphere, whose radius is R1 + R2. A ray to the outline
+/// touches the sphere, at a right angle to the sphere's radius there. So the angle at the viewer, between
+/// this ray and the one to the centre, has the sine (R1 + R2) / K2. This is its tangent.
 fn outline_radius(r2: f64, k2: f64) -> f64 {
     let sphere_radius = 1.0 + r2;
     sphere_radius / (k2 * k2 - sphere_radius * sphere_radius).sqrt()
@@ -176,8 +179,8 @@ enum Method {
 /// The characters that show the luminance, from dark to bright.
 const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
 
-/// The character of a luminance L: the one at index 8 L of the ramp. The largest L is sqrt 2, so 8 L reaches
-/// 11, the last index: 8 and the length of the ramp belong together.
+/// The character of a luminance L: the one at index 8 L of the ramp. L is at most sqrt 2, so 8 L is at most
+/// 11.3, and 11 is the last index: 8 and the length of the ramp belong together.
 fn glyph(luminance: f64) -> u8 {
     // `as u8` drops the fraction, and makes a negative number 0. `min` only saves a bounds check.
     RAMP[usize::from((8.0 * luminance) as u8).min(RAMP.len() - 1)]
@@ -208,7 +211,7 @@ impl Renderer {
     }
 
     /// The angles A and B of the next frame. donut.c keeps its angles in variables of type `float`, so each
-    /// sum is rounded, and the errors add up. In the end, the angles are so large that a step no longer
+    /// sum is rounded, and the errors add up. Eventually the angles are so large that adding a step no longer
     /// changes them, and the donut stands still. `classic` has to make the very same errors.
     fn advance(&self, angles: [f64; 2], spin: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| match self.classic {
@@ -227,7 +230,7 @@ impl Renderer {
     /// The bytes that show the frame. `clear` says whether to clear the screen first.
     fn encode(&self, color: Option<Color>, is_terminal: bool, clear: bool) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::with_capacity(self.framebuffer.len() + 100);
-        // In a synchronized update, a terminal shows nothing until the end, and so never half a frame.
+        // A terminal that knows synchronized updates shows the frame only when it is complete.
         if is_terminal {
             queue!(bytes, terminal::BeginSynchronizedUpdate)?;
         }
@@ -246,7 +249,7 @@ impl Renderer {
         if is_terminal {
             queue!(bytes, terminal::EndSynchronizedUpdate)?;
         }
-        bytes.push(b'\n'); // Last, because `io::stdout` keeps what comes after it for the next write.
+        bytes.push(b'\n'); // Last, because `io::stdout` holds back what follows the last newline.
         Ok(bytes)
     }
 }
@@ -256,7 +259,7 @@ impl Renderer {
 struct Classic {
     /// 1/z of the nearest sample so far, in each cell; 0 stands for infinitely far away. Where nothing may be
     /// drawn, it is infinity, which no sample exceeds: in column 0, in row 0, and in the two rows below the
-    /// picture, into which donut.c's donut reaches in some poses.
+    /// picture, into which donut.c's donut reaches in some poses (down to y = 12 + 15 * 3/4).
     zbuffer: Vec<f32>,
     /// The sine and the cosine of each theta in donut.c's loop, and of each phi, eight at a time.
     thetas: Vec<(f32, f32)>,
@@ -264,8 +267,9 @@ struct Classic {
 }
 
 impl Classic {
-    fn new(view: &View, theta_and_phi_step: [f64; 2]) -> Classic {
-        let [thetas, phis] = theta_and_phi_step.map(trig_table);
+    /// The steps are those of theta and of phi: `angle_steps`, except in tests, which try others.
+    fn new(view: &View, steps: [f64; 2]) -> Classic {
+        let [thetas, phis] = steps.map(trig_table);
         // The last group is filled up with the last phi: a sample is not nearer than itself.
         let group = |first: usize| {
             let lanes: [_; 8] = array::from_fn(|i| phis[(first + i).min(phis.len() - 1)]);
@@ -277,7 +281,7 @@ impl Classic {
     }
 
     /// donut.c's double loop over theta and phi. All arithmetic is in f32 and in donut.c's order of
-    /// operations, because another order would round to other characters. donut.c has names of one letter:
+    /// operations: in another order, rounding would give other characters. donut.c has names of one letter:
     /// `sin_phi` is its c, `cos_theta` d, `sin_a` e, `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l,
     /// `cos_b` m, `sin_b` n and `cell` o.
     fn plot_samples(&mut self, view: &View, a: f32, b: f32, framebuffer: &mut [u8]) {
@@ -295,7 +299,7 @@ impl Classic {
                 let t = sin_phi * h * cos_a - sin_theta * sin_a;
                 let x = cx + k1x * ooz * (cos_phi * h * cos_b - t * sin_b);
                 let y = cy + k1y * ooz * (cos_phi * h * sin_b + t * cos_b);
-                // The dot product of the rotated normal and (0, -1, -1).
+                // Minus y and z of the rotated normal: its dot product with (0, -1, -1).
                 let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
                     - sin_phi * cos_theta * sin_a
                     - sin_theta * cos_a
@@ -321,8 +325,8 @@ impl Classic {
 
 /// donut.c's steps of theta and phi, or shorter ones for a larger picture. Where donut.c's donut is nearest
 /// to the viewer, its samples are about a cell apart, and leave almost no gaps. If K1 is n times donut.c's,
-/// each step is divided by n, to keep them so (with donut.c's R2 and K2). If the cells have another shape, K1
-/// in columns and K1 in rows are different multiples of donut.c's, and n is the larger one.
+/// each step is divided by n, so that they stay a cell apart (if R2 and K2 are donut.c's). If the cells have
+/// another shape, K1 in columns and K1 in rows are different multiples of donut.c's, and n is the larger one.
 fn angle_steps(view: &View) -> [f64; 2] {
     let n = f64::max(view.k1x / View::DONUT_C.k1x, view.k1y / View::DONUT_C.k1y).max(1.0);
     [0.07 / n, 0.02 / n]
@@ -350,12 +354,9 @@ fn c_sin_cos(angle: f32) -> (f32, f32) {
 
 // ---- exact: a ray for each cell ------------------------------------------------------------------
 
-/// The s of a ray that misses the donut.
-const MISS: f64 = f64::INFINITY;
-
 /// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly an
 /// integer, and the rounding of sines and cosines, which differs between systems, would choose between two
-/// glyphs. With this, the brighter one is drawn (unless R2 is large).
+/// glyphs. With this, the brighter one is drawn (unless R2 is large, and rounding errors larger than this).
 const TIE_BIAS: f64 = 1e-12;
 
 /// Shows in each cell what the ray through its centre hits first.
@@ -365,14 +366,14 @@ fn trace(view: &View, a: f64, b: f64, framebuffer: &mut [u8]) {
     let outline_radius = outline_radius(r2, k2);
     for (row, line) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
         // A ray can only hit inside the outline of the bounding sphere, a circle. In this row, the circle
-        // reaches from cx - half_width to cx + half_width. (Above and below it, and in a picture of one
-        // column, half_width is 0.)
+        // reaches from cx - half_width to cx + half_width. (Above and below it, half_width is 0: one cell is
+        // left, and its ray misses.)
         let dy = (row as f64 + 0.5 - cy) / k1y;
         let half_width = (outline_radius * outline_radius - dy * dy).max(0.0).sqrt() * k1x;
         let (start, end) = ((cx - half_width) as usize, width.min((cx + half_width) as usize + 1));
         // The last group of rays may reach beyond `end`, where there is no cell for them.
-        for (n, cells) in line[start..end].chunks_mut(8).enumerate() {
-            let x = (start + 8 * n) as f64 + f64x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
+        for (i, cells) in line[start..end].chunks_mut(8).enumerate() {
+            let x = (start + 8 * i) as f64 + f64x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
             let rays = torus.rays((x - cx) / k1x, dy, k2);
             let hits = Quartic::new(r2, &rays).first_hits(torus.entry(&rays));
             let luminances = (torus.luminance(&rays, hits) + TIE_BIAS).to_array();
@@ -403,6 +404,7 @@ struct Torus {
 /// f       = P.n = f0 + fu s        the distance from the plane of the ring, negative on one side
 /// P.light = light0 + light_u s     which the luminance needs
 /// ```
+/// So f0 is P0.n, fu is U.n, and light0 and light_u are the same with `light` in place of n.
 #[derive(Debug)]
 struct Rays {
     d0_squared: f64x8,
@@ -423,7 +425,7 @@ impl Torus {
     /// U is (dx, dy, 1) divided by its length. So U = Uz (dx, dy, 1), and Uz^2 (dx^2 + dy^2 + 1) = 1. P0 is V
     /// without its part along U, and V.U = -K2 Uz:
     /// ```text
-    /// P0   = V - (V.U) U = (0, 0, -K2) + depth (dx, dy, 1)      where depth = K2 Uz^2
+    /// P0   = V - (V.U) U = (0, 0, -K2) + depth (dx, dy, 1)      where depth = K2 Uz^2, the depth of P0
     ///                    = depth (dx, dy, -(dx^2 + dy^2))       because K2 = depth (dx^2 + dy^2 + 1)
     /// d0^2 = |V|^2 - (V.U)^2 = K2^2 - K2^2 Uz^2 = K2 (K2 - depth) = K2 depth (dx^2 + dy^2)
     /// ```
@@ -442,13 +444,14 @@ impl Torus {
     }
 
     /// The s where each ray enters the donut's bounding volume: the slice of the bounding sphere between the
-    /// planes f = -1 and f = 1. No hit comes before it. For a ray that misses the volume, any s will do.
+    /// planes f = -1 and f = 1. But for rounding, no hit comes before it. For a ray that misses the volume,
+    /// any s will do.
     fn entry(&self, &Rays { d0_squared, f0, fu, .. }: &Rays) -> f64x8 {
         let sphere_radius = 1.0 + self.r2;
         let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(f64x8::ZERO).sqrt();
-        // Through the plane f = -1 if f grows along the ray, otherwise through f = 1. A ray with fu = 0 never
-        // crosses the planes. Between them, its `slice_entry` is -infinity; in one of them, it may be NaN,
-        // which `max` ignores. In both cases, the sphere decides. Outside, the ray misses.
+        // A ray enters the slice through the plane f = -1 if f grows along the ray, otherwise through f = 1.
+        // If fu is 0, the ray never crosses the planes. Between them, `slice_entry` is -infinity; in one of
+        // them, it is that or NaN, which `max` ignores: the sphere decides. Outside, the ray misses.
         let plane = -f64x8::ONE.copysign(fu);
         let slice_entry = (plane - f0) / fu;
         sphere_entry.max(slice_entry)
@@ -456,15 +459,15 @@ impl Torus {
 
     /// The luminance L of each hit: the dot product of the normal and `light`. For a miss, it means nothing.
     ///
-    /// In the plane of the ring, the point nearest to P is P - f n, at the distance h from the centre. The
-    /// nearest point of the ring lies in the same direction, at the distance R2. It is the centre of the tube
-    /// there, and the normal leads from it to P:
+    /// In the plane of the ring, the point nearest to P is P - f n, at distance h from the centre. The
+    /// nearest point of the ring lies in the same direction, at distance R2 from the centre. It is the middle
+    /// of the tube there, and the normal leads from it to P:
     /// ```text
     /// normal = P - (R2 / h) (P - f n) = (1 - R2 / h) (P - f n) + f n
     /// L      = (1 - R2 / h) (P.light - f n.light) + f n.light
     /// ```
-    /// As P is 1 away from the ring, (h - R2)^2 + f^2 = 1; and h^2 + f^2 = |P|^2. So the difference of the
-    /// two gives h: 2 R2 h = |P|^2 + R2^2 - 1.
+    /// As P is 1 away from the ring, (h - R2)^2 + f^2 = 1; and h^2 + f^2 = |P|^2. Subtract one from the other
+    /// to get h: 2 R2 h = |P|^2 + R2^2 - 1.
     fn luminance(&self, rays: &Rays, s: f64x8) -> f64x8 {
         let r2_squared = self.r2 * self.r2;
         let f = rays.f0 + rays.fu * s;
@@ -476,32 +479,23 @@ impl Torus {
 }
 
 /// Each ray's quartic G: a polynomial in s, which is 0 where the ray meets the surface, positive outside the
-/// donut, and negative inside.
+/// donut, and negative inside. It is written as a square and a linear part, because the search needs it so:
 /// ```text
-/// G(s) = (s^2 + p)^2 + q s + c
-///
-///  G  \                .----.                /
-///      \             .'      '.             /
-///  -----s1---------s2----------s3---------s4---> s
-///        \        /              \        /
-///         '.____.'                '.____.'
-///                 -w            w
+/// G(s) = (s^2 + p)^2 + 2 q s + c
 /// ```
-/// The inflections are at -w and w, where the second derivative, 12 s^2 + 4 p, is 0. G is concave between
-/// them, and convex on either side. (s2 and s3 may lie on either side of the inflections next to them.) If p
-/// is not negative, G is convex everywhere, with a single valley; w is then set to 0.
 #[derive(Debug)]
 struct Quartic {
     p: f64x8,
     q: f64x8,
     c: f64x8,
-    w: f64x8,
 }
 
-/// A search takes only steps longer than this, in units of R1. Newton's method converges so fast that little
-/// more than rounding error is left then. Only at a graze or a triple root, where G is flat, may the hit be
-/// further away (1e-4), but still so near that the luminance is hardly different.
-const TOLERANCE: f64 = 1e-14;
+/// The s of a ray that misses the donut.
+const MISS: f64 = f64::INFINITY;
+
+/// A search ends with a step that is not longer than this, in units of R1: about the square root of f64's
+/// precision, so that the square of such a step is no more than a rounding error.
+const TOLERANCE: f64 = 1e-8;
 
 impl Quartic {
     /// Let h be the distance of P from the axis. The square of its distance from the ring is (h - R2)^2 +
@@ -511,78 +505,77 @@ impl Quartic {
     /// ```text
     /// G = (m - 2 R2 h) (m + 2 R2 h) = m^2 - 4 R2^2 h^2 = m^2 - 4 R2^2 (|P|^2 - f^2)
     ///   = (s^2 + m0)^2 - 4 R2^2 (d0^2 + s^2 - (f0 + fu s)^2)     where m0 = d0^2 + R2^2 - 1
+    ///   = s^4 + 2 p s^2 + 2 q s + (p^2 + c)      where, if the coefficients are compared,
     /// p = m0 - 2 R2^2 (1 - fu^2)
-    /// q = 8 R2^2 f0 fu
+    /// q = 4 R2^2 f0 fu
     /// c = m0^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
     /// ```
-    /// As s is measured from P0, the coefficients stay small, however far away the viewer is.
+    /// Because s is measured from P0, there is no s^3, and the coefficients stay small, however far away the
+    /// viewer is.
     fn new(r2: f64, &Rays { d0_squared, f0, fu, .. }: &Rays) -> Quartic {
         let r2_squared = r2 * r2;
         let m0 = d0_squared + r2_squared - 1.0;
         let p = m0 - 2.0 * r2_squared * (1.0 - fu * fu);
-        let q = 8.0 * r2_squared * f0 * fu;
+        let q = 4.0 * r2_squared * f0 * fu;
         let c = m0 * m0 - p * p - 4.0 * r2_squared * (d0_squared - f0 * f0);
-        Quartic { p, q, c, w: (p / -3.0).max(f64x8::ZERO).sqrt() }
+        Quartic { p, q, c }
     }
 
-    /// The s of each ray's first hit, or `MISS`. No hit comes before `entry`.
+    /// The s of each ray's first hit, or `MISS`.
     ///
-    /// All of the donut is in front of the viewer, so a ray's first hit is where its G first falls to 0. Left
-    /// of -w, G is convex and comes down from infinity, so it falls to 0 at most once there, at s1. If it
-    /// does not, it is not negative at -w; and as it is concave from there to w, and convex after that, it
-    /// falls to 0 at most once, at s3. (s3 may be at -w itself, and may be the first of only two roots.)
+    /// All of the donut is in front of the viewer, so the first hit is the first root of G. The search starts
+    /// at `entry`, outside the donut or on it, and only steps to the right. From each s on, there is a
+    /// parabola (colons) that starts at the height of G and is nowhere above it. The search steps to r, the
+    /// first root of the parabola right of s. Before r, the parabola is positive, and so is G: no root is
+    /// passed.
+    /// ```text
+    ///  G                                                            *
+    ///   *                       *******
+    ///    *                  ****       ***                         *
+    ///                     **              **
+    ///     *            ***                  **                    *
+    ///      **        **                       **                 *
+    ///        *s*****                            **
+    ///          :::::                              *             *
+    ///  -------------:r::::-------------------------**----------*-----> s
+    ///                     :::::::::                  ***     **::::::
+    ///                              :::::::::::::::::::::*****::
+    /// ```
+    /// Let w be (s + t)^2 - s^2 = 2 s t + t^2, for a step of t >= 0 from s, and base = s^2 + p:
+    /// ```text
+    /// G(s + t) = (base + w)^2 + 2 q (s + t) + c
+    ///          = g + 2 k t + 2 base t^2 + w^2      where g = G(s), and k = 2 base s + q, half the slope of G
+    ///         >= g - 2 fall t + 2 base t^2         where fall = -k if G falls at s, otherwise 0
+    /// ```
+    /// The last line is the parabola: a square, w^2, is left out, and so is the slope where G rises. Divided
+    /// by t^2, it is a quadratic in 1/t, as g > 0. The first root right of s has the largest 1/t, which is
+    /// `(fall + sqrt(fall^2 - 2 base g)) / g`. If this is not a positive number, the parabola stays positive
+    /// right of s, and so does G: r is infinite, and the ray misses.
     ///
-    /// Newton's method steps from s to the root of the tangent at s. Left of -w and from w on, only steps to
-    /// the right are taken, and then, from w down to -w, only steps to the left.
-    /// - *No step passes a root.* A convex curve lies above its tangents. So where G is convex and positive,
-    ///   the tangent falls to 0 before G does, and a step to the right ends before the root or at it, unless
-    ///   it leaves the convex part. A concave curve lies below its tangents, so where G is concave and
-    ///   negative, a step to the left ends before the root or at it as well.
-    /// - *A jump to w skips no s1.* No step passes s1, so where the search finds G rising, G is positive, and
-    ///   being convex, rises up to -w. If a step leads to -w or beyond, the tangent is positive, and so is G.
-    /// - *The start at w is safe.* The search is at w only if there is no s1, so G is not negative at -w. If
-    ///   G is positive at w, it is positive from -w to w, because a concave curve lies above its chords: s3
-    ///   is further right. Otherwise, s3 is at w or left of it, and G falls at w: it is strictly concave, and
-    ///   not higher there than at -w; or w is 0, and G was positive before. So only the second loop moves.
-    /// - *A miss skips no s3.* From w on, the search finds G positive or falling. So where G rises, it is
-    ///   positive, and being convex, goes on rising.
-    /// - *Every search ends.* Every step is longer than TOLERANCE. Far out, G is positive and rises, so that
-    ///   no step leads right. To the left, -w is the end.
-    /// - *A graze*, where G only touches 0, may count as a hit or not. (A slope of 0 counts as rising.)
+    /// The last step of a search is at most TOLERANCE long. At its end, what is left of G is w^2, a rounding
+    /// error. (If G rises at s, g itself is that small, as fall is 0, and so g = -2 base t^2.) If rounding
+    /// has made g 0 or negative, r is not right of s, and the hit is at s. Every search ends: far out, base
+    /// is positive and fall is 0, so r is infinite, from where no step leads on.
+    ///
+    /// Near a simple root, the parabola has the value and the slope of G, so the steps shrink as fast as
+    /// those of Newton's method. Near a triple root, there may be more than a thousand of them. A graze,
+    /// where G turns back at 0, but for rounding, may count as a hit or not.
     fn first_hits(&self, entry: f64x8) -> f64x8 {
-        let w = self.w;
-
-        // To the right: to s1, or from w to s3. A lane that takes no step takes none later, either.
-        let mut s = entry.simd_lt(-w).select(entry, w);
-        let (mut root, slope) = loop {
-            let (root, slope) = self.tangent(s);
-            let jumps = s.simd_lt(-w) & (slope.simd_ge(0.0) | root.simd_ge(-w));
-            let steps = root.simd_gt(s + TOLERANCE);
-            if !(jumps | steps).any() {
-                break (root, slope);
+        let &Quartic { p, q, c } = self;
+        let mut s = entry;
+        loop {
+            let base = s * s + p;
+            let g = base * base + (2.0 * q * s + c);
+            let fall = (-2.0 * base * s - q).fast_max(f64x8::ZERO);
+            // Without a root on the right, the denominator is NaN or 0; `max` makes it 0, and r infinite.
+            let r = s + g / (fall + (fall * fall - 2.0 * base * g).sqrt()).max(f64x8::ZERO);
+            let steps = r.simd_gt(s + TOLERANCE);
+            if !steps.any() {
+                return s.max(r);
             }
-            s = jumps.select(w, steps.select(root, s));
-        };
-        let misses = s.simd_ge(w) & slope.simd_ge(0.0);
-        s = misses.select(f64x8::splat(MISS), s);
-
-        // To the left, from w to s3. Only rounding can make a step lead past -w.
-        let mut steps = s.simd_eq(w) & root.simd_lt(s - TOLERANCE);
-        while steps.any() {
-            s = steps.select(root.max(-w), s);
-            (root, _) = self.tangent(s);
-            steps = steps & s.simd_gt(-w) & root.simd_lt(s - TOLERANCE);
+            // A lane that takes no step keeps its s and takes none later: its neighbours do not matter.
+            s = steps.select(r, s);
         }
-        s
-    }
-
-    /// The root of the tangent at s, and the slope of G at s. If the slope is 0, the root is infinite or NaN;
-    /// the search then jumps, ends as a miss, or, at a triple root at -w, stays.
-    fn tangent(&self, s: f64x8) -> (f64x8, f64x8) {
-        let &Quartic { p, q, c, .. } = self;
-        let base = s * s + p;
-        let slope = 4.0 * base * s + q;
-        (s - (base * base + (q * s + c)) / slope, slope)
     }
 }
 
@@ -916,7 +909,7 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
 // Ctrl-Z                 A key. The loop leaves, stops the program until the shell's `fg`, and enters again.
 // SIGSTOP, SIGTSTP       Stop the program as it is. When it is resumed, the loop leaves and enters again.
 // in the background      The loop stops the program before it enters or draws, until the shell's `fg`.
-//                        Where no shell could resume it, the loop ends with an error.
+// Where no shell could resume it, the loop ends with an error.
 // the terminal is gone   The loop ends by SIGHUP, or by an error within a second.
 // a panic                Its hook leaves, in any thread, shows the message, and exits with 101.
 

@@ -75,8 +75,8 @@ pub fn sphere_tracing(most_steps: usize) -> impl Fn(&Torus, &Rays) -> f64x8 {
 /// With `y = v - 2/3 p` the resolvent becomes `v^3 - 3 m v - 2 n = 0`. If this has three roots, the
 /// largest is found by a cosine. If it has one, the root is found by Cardano's formula.
 pub fn closed_form(torus: &Torus, rays: &Rays) -> f64x8 {
-    let Quartic { p, q, c, .. } = Quartic::new(torus.r2, rays);
-    let (p, r) = (2.0 * p, p * p + c);
+    let Quartic { p, q, c } = Quartic::new(torus.r2, rays);
+    let (p, q, r) = (2.0 * p, 2.0 * q, p * p + c);
     let m = (p * p + 12.0 * r) / 9.0;
     let n = p * p * p / 27.0 - 4.0 / 3.0 * p * r + q * q / 2.0;
     let discriminant = n * n - m * m * m;
@@ -106,7 +106,7 @@ pub fn closed_form(torus: &Torus, rays: &Rays) -> f64x8 {
 /// The closed form, for one ray.
 pub fn closed_form_alone(ray: &Ray) -> f64 {
     let &Ray { p, q, c, .. } = ray;
-    let (p, r) = (2.0 * p, p * p + c);
+    let (p, q, r) = (2.0 * p, 2.0 * q, p * p + c);
     let m = (p * p + 12.0 * r) / 9.0;
     let n = p * p * p / 27.0 - 4.0 / 3.0 * p * r + q * q / 2.0;
     let discriminant = n * n - m * m * m;
@@ -129,19 +129,20 @@ pub fn closed_form_alone(ray: &Ray) -> f64 {
     f64::min(root / 2.0, MISS)
 }
 
-/// Newton's method with a single start: the point where the ray enters the sphere round the donut. The ray
-/// misses if the search ends outside the sphere, or takes more than 64 steps.
+/// Newton's method, which steps to the root of the tangent, from the point where the ray enters the sphere
+/// round the donut. The ray misses if the search ends outside the sphere, or takes more than 64 steps.
 pub fn newton_once(torus: &Torus, rays: &Rays) -> f64x8 {
     let radius = 1.0 + torus.r2;
     let half = (radius * radius - rays.d0_squared).max(f64x8::ZERO).sqrt();
-    let quartic = Quartic::new(torus.r2, rays);
+    let Quartic { p, q, c } = Quartic::new(torus.r2, rays);
     let (mut s, mut step) = (-half, f64x8::splat(MISS));
     for _ in 0..64 {
         let steps = step.abs().simd_gt(1e-8);
         if !steps.any() {
             break;
         }
-        step = steps.select(quartic.tangent(s).0 - s, step);
+        let base = s * s + p;
+        step = steps.select((base * base + (2.0 * q * s + c)) / (-4.0 * base * s - 2.0 * q), step);
         s = steps.select(s + step, s);
     }
     let hits = step.abs().simd_le(1e-8) & s.abs().simd_le(half);
