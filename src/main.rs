@@ -1,14 +1,14 @@
 //! donut.c, Andy Sloane's spinning ASCII torus of 2006, in Rust.
 //!
-//! donut.c draws a picture of 80 by 22 characters, for a terminal of 80 columns and 24 rows. There, this
-//! program draws the same picture, byte for byte, unless an option asks for another. A picture of any other
-//! size has no original to match, so it is ray-traced.
+//! donut.c draws a picture of 80 by 22 characters, for a terminal of 80 columns and 24 rows. At this size,
+//! this program draws the same picture, byte for byte, unless an option asks for another. A picture of any
+//! other size has no original to match, so by default it is ray-traced.
 //!
 //! # How donut.c draws a donut
 //!
-//! A torus is the surface that a small circle sweeps while its centre travels round a large circle, always at
-//! a right angle to it. The surface is a tube, and the large circle, in the middle of the tube, is the ring.
-//! Here is the torus of the first frame, cut in half and seen from the side. The viewer is on the left:
+//! A torus is the surface swept by a small circle as its centre travels round a large one, the two always at
+//! right angles. The surface is a tube, and the large circle, in the middle of the tube, is the ring. Here is
+//! the torus of the first frame, cut in half and seen from the side. The viewer is on the left:
 //! ```text
 //!                                .-.
 //!           screen              ( +-)--  R1, the radius of the tube
@@ -64,38 +64,40 @@
 //! surface faces away from the light, and the index is 0.
 //!
 //! The letters R1, R2, K1, K2, A, B and L are those of the [article] in which Andy Sloane explains donut.c,
-//! but the angles A and B are counted as in donut.c itself: its A is pi/2 minus the article's A, and its B is
-//! minus the article's B. All angles are in radians.
+//! but the angles A and B are measured as in donut.c itself: its A is pi/2 minus the article's A, and its B
+//! is minus the article's B. All angles are in radians.
 //!
 //! # Two methods
 //!
 //! `classic` is all of the above: for each sample, it asks which cell the sample falls into. `exact` goes the
 //! other way: for each cell, it asks what is there. It follows the ray from the viewer through the centre of
-//! the cell, and the cell shows the first point of the donut that the ray hits.
+//! the cell. A number s says where on the ray a point is, and the ray meets the surface where a polynomial
+//! G(s), of degree four, is 0. The cell shows the first of these points, at most four, lit as above.
 //!
 //! Both methods work on eight samples or rays at a time, in vector instructions. A value of the types `f32x8`
-//! and `f64x8`, from the crate wide, is eight numbers, its *lanes*. A formula is written as for one number
-//! and computed in every lane, whether or not the optimiser would vectorise a loop. Each lane rounds as a
-//! single number would; otherwise, `classic` could not match byte for byte. A plain number stands for itself
-//! in every lane. A comparison gives a mask: `mask.select(x, y)` is x in the lanes where the comparison is
-//! true and y in the others, and `mask.any()` says whether it is true in any. Of a number and NaN, `max` is
-//! the number; `fast_max` is for numbers that are not NaN.
+//! and `f64x8`, from the crate wide, is eight numbers, its *lanes*. A formula is written as for one number,
+//! and computed in every lane, without relying on the optimiser. Each lane rounds as a single number would;
+//! otherwise, `classic` could not match byte for byte. A plain number stands for itself in every lane. A
+//! comparison gives a mask: `mask.select(x, y)` is x in the lanes where the comparison is true and y in the
+//! others, and `mask.any()` says whether it is true in any. `max` ignores NaN; `fast_max` assumes that there
+//! is none.
 //!
-//! Below are the view, the drawing, the two methods, the options, the loop, and last the terminal.
+//! Below are the view, the rendering, the two methods, the options, the loop, and last the terminal.
 //!
 //! [article]: https://www.a1k0n.net/2011/07/20/donut-math.html
 
+use std::f64::consts::{PI, TAU};
 use std::io::{self, IsTerminal, Write};
 use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
-use std::{array, env, panic, process, thread};
+use std::{array, env, fmt::Display, panic, process, str::FromStr, thread};
 
-use clap::{CommandFactory, Parser, ValueEnum, ValueHint, error::ErrorKind, value_parser};
+use clap::{CommandFactory, Parser, ValueEnum, ValueHint, error::ErrorKind};
 use crossterm::event::{self, Event, KeyCode, KeyModifiers};
-use crossterm::style::{self, Color};
-use crossterm::{cursor, execute, queue, terminal};
+use crossterm::style::{self, Color, Print};
+use crossterm::{cursor, execute, queue, terminal as term};
 use wide::{f32x8, f64x8};
 
 #[cfg(unix)]
@@ -103,7 +105,9 @@ use {
     rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl},
     rustix::process::{Signal, getpgrp, kill_current_process_group},
     rustix::stdio,
-    rustix::termios::{self, LocalModes, OptionalActions, OutputModes, SpecialCodeIndex as Key},
+    rustix::termios::{
+        self, LocalModes, OptionalActions, OutputModes, SpecialCodeIndex as CodeIndex,
+    },
     signal_hook::consts::{SIGCONT, SIGHUP, SIGQUIT, SIGTERM},
     signal_hook::{flag, low_level},
     std::fs::File,
@@ -113,19 +117,19 @@ use {
 
 /// The donut's proportions, the size of the picture, and how the donut is projected onto the picture.
 ///
-/// Lengths are in radii of the tube, so that R1 is 1. Places in the picture are measured in cells: the cell
-/// in column c and row r reaches from c to c + 1 across, and from r to r + 1 down. The point (X, Y, Z)
-/// appears at `x = cx + k1x X / (Z + K2)` and `y = cy + k1y Y / (Z + K2)`.
+/// Lengths are in radii of the tube, so that R1 is 1. Positions in the picture are measured in cells: the
+/// cell in column c and row r spans c to c + 1 across, and r to r + 1 down. The point (X, Y, Z) appears at
+/// `x = cx + k1x X / (Z + K2)` and `y = cy + k1y Y / (Z + K2)`.
 ///
-/// Nothing is drawn in column 0 or in row 0: in place of column 0, donut.c prints a newline, and its test
-/// `y > 0` leaves out row 0. This holds for both methods, so that their pictures can be laid over each other.
+/// The picture has a margin, column 0 and row 0, in which nothing is drawn: donut.c prints a newline in place
+/// of column 0, and its test `y > 0` leaves out row 0. Only in donut.c's own picture is the margin shown.
 #[derive(Clone, Copy, PartialEq)]
 struct View {
     /// The radius of the ring: more than 1, because otherwise there is no hole.
     r2: f64,
     /// The distance from the viewer to the donut's centre: more than 1 + R2, so that the donut is in front.
     k2: f64,
-    /// Columns and rows of the picture.
+    /// Columns and rows of the picture, including the margin.
     width: usize,
     height: usize,
     /// Where the centre of the donut appears.
@@ -142,24 +146,20 @@ impl View {
     /// The height of a cell divided by its width in donut.c, and by default: 2.
     const ASPECT: f64 = View::DONUT_C.k1x / View::DONUT_C.k1y;
 
-    /// donut.c's own view if everything is as in donut.c. Otherwise, the donut is in the middle of the cells
-    /// that are drawn, and as large as it can be without being cut off in any pose.
-    fn new(width: usize, height: usize, aspect: f64, r2: f64, k2: f64) -> View {
-        let c = View::DONUT_C;
-        if (width, height, aspect, r2, k2) == (c.width, c.height, View::ASPECT, c.r2, c.k2) {
-            return c;
-        }
-        let (columns, rows) = (width as f64 - 1.0, height as f64 - 1.0);
-        let k1x = f64::min(columns / 2.0, aspect * rows / 2.0) / outline_radius(r2, k2);
-        let (cx, cy) = (1.0 + columns / 2.0, 1.0 + rows / 2.0);
-        View { r2, k2, width, height, cx, cy, k1x, k1y: k1x / aspect }
+    /// A view of so many columns and rows, plus the margin. The donut is in the middle, and as large as it
+    /// can be without being cut off in any pose.
+    fn fitted(columns: usize, rows: usize, aspect: f64, r2: f64, k2: f64) -> View {
+        let (half_width, half_height) = (columns as f64 / 2.0, rows as f64 / 2.0);
+        let k1x = f64::min(half_width, aspect * half_height) / outline_radius(r2, k2);
+        let (cx, cy) = (1.0 + half_width, 1.0 + half_height);
+        View { r2, k2, width: columns + 1, height: rows + 1, cx, cy, k1x, k1y: k1x / aspect }
     }
 }
 
 /// How large the donut can look: the radius of the outline of its bounding sphere, on a screen at distance 1.
 /// However the donut is rotated, it just fits into this sphere, whose radius is R1 + R2. A ray to the outline
 /// touches the sphere, at a right angle to the sphere's radius there. So the angle at the viewer, between
-/// this ray and the one to the centre, has the sine (R1 + R2) / K2. This is its tangent.
+/// this ray and the one to the centre, has the sine (R1 + R2) / K2. The result is its tangent.
 fn outline_radius(r2: f64, k2: f64) -> f64 {
     let sphere_radius = 1.0 + r2;
     sphere_radius / (k2 * k2 - sphere_radius * sphere_radius).sqrt()
@@ -179,7 +179,7 @@ enum Method {
 /// The characters that show the luminance, from dark to bright.
 const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
 
-/// The character of a luminance L: the one at index 8 L of the ramp. L is at most sqrt 2, so 8 L is at most
+/// The character for a luminance L: the one at index 8 L of the ramp. L is at most sqrt 2, so 8 L is at most
 /// 11.3, and 11 is the last index: 8 and the length of the ramp belong together.
 fn glyph(luminance: f64) -> u8 {
     // `as u8` drops the fraction, and makes a negative number 0. `min` only saves a bounds check.
@@ -222,32 +222,42 @@ impl Renderer {
 
     /// Makes every glyph of the frame the darkest one.
     fn remove_shading(&mut self) {
-        for cell in self.framebuffer.iter_mut().filter(|cell| **cell != b' ') {
-            *cell = RAMP[0];
-        }
+        self.framebuffer.iter_mut().filter(|cell| **cell != b' ').for_each(|cell| *cell = RAMP[0]);
     }
 
     /// The bytes that show the frame. `clear` says whether to clear the screen first.
     fn encode(&self, color: Option<Color>, is_terminal: bool, clear: bool) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::with_capacity(self.framebuffer.len() + 100);
-        // A terminal that knows synchronized updates shows the frame only when it is complete.
+        // A terminal that supports synchronized updates shows the frame only when it is complete.
         if is_terminal {
-            queue!(bytes, terminal::BeginSynchronizedUpdate)?;
+            queue!(bytes, term::BeginSynchronizedUpdate)?;
         }
         // donut.c's own codes: to clear the screen, and to move the cursor to its top left corner.
         bytes.extend_from_slice(if clear { b"\x1b[2J\x1b[H" } else { b"\x1b[H" });
         if let Some(color) = color {
             queue!(bytes, style::SetForegroundColor(color))?;
         }
-        for row in self.framebuffer.chunks_exact(self.view.width) {
-            bytes.push(b'\n'); // In place of column 0.
-            bytes.extend_from_slice(&row[1..]);
+        // donut.c shows the margin: a blank row 0, and a newline in place of column 0. Other pictures have
+        // newlines only between their rows.
+        let margin = self.view == View::DONUT_C;
+        let rows = self.framebuffer.chunks_exact(self.view.width).skip(usize::from(!margin));
+        for (i, row) in rows.enumerate() {
+            if margin || i > 0 {
+                bytes.push(b'\n');
+            }
+            let row = &row[1..];
+            let trimmed = if is_terminal { row.trim_ascii_end() } else { row };
+            bytes.extend_from_slice(trimmed);
+            if trimmed.len() < row.len() {
+                // Usually in fewer bytes than the blanks.
+                queue!(bytes, term::Clear(term::ClearType::UntilNewLine))?;
+            }
         }
         if color.is_some() {
             queue!(bytes, style::ResetColor)?;
         }
         if is_terminal {
-            queue!(bytes, terminal::EndSynchronizedUpdate)?;
+            queue!(bytes, term::EndSynchronizedUpdate)?;
         }
         bytes.push(b'\n'); // Last, because `io::stdout` holds back what follows the last newline.
         Ok(bytes)
@@ -259,7 +269,7 @@ impl Renderer {
 struct Classic {
     /// 1/z of the nearest sample so far, in each cell; 0 stands for infinitely far away. Where nothing may be
     /// drawn, it is infinity, which no sample exceeds: in column 0, in row 0, and in the two rows below the
-    /// picture, into which donut.c's donut reaches in some poses (down to y = 12 + 15 * 3/4).
+    /// picture, into which donut.c's donut reaches in some poses (down to y = cy + k1y * 3/4).
     zbuffer: Vec<f32>,
     /// The sine and the cosine of each theta in donut.c's loop, and of each phi, eight at a time.
     thetas: Vec<(f32, f32)>,
@@ -270,7 +280,7 @@ impl Classic {
     /// The steps are those of theta and of phi: `angle_steps`, except in tests, which try others.
     fn new(view: &View, steps: [f64; 2]) -> Classic {
         let [thetas, phis] = steps.map(trig_table);
-        // The last group is filled up with the last phi: a sample is not nearer than itself.
+        // The last group is padded with the last phi: a sample is not nearer than itself.
         let group = |first: usize| {
             let lanes: [_; 8] = array::from_fn(|i| phis[(first + i).min(phis.len() - 1)]);
             (f32x8::new(lanes.map(|(sin, _)| sin)), f32x8::new(lanes.map(|(_, cos)| cos)))
@@ -281,7 +291,7 @@ impl Classic {
     }
 
     /// donut.c's double loop over theta and phi. All arithmetic is in f32 and in donut.c's order of
-    /// operations: in another order, rounding would give other characters. donut.c has names of one letter:
+    /// operations: in another order, rounding would change characters. donut.c has names of one letter:
     /// `sin_phi` is its c, `cos_theta` d, `sin_a` e, `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l,
     /// `cos_b` m, `sin_b` n and `cell` o.
     fn plot_samples(&mut self, view: &View, a: f32, b: f32, framebuffer: &mut [u8]) {
@@ -299,7 +309,7 @@ impl Classic {
                 let t = sin_phi * h * cos_a - sin_theta * sin_a;
                 let x = cx + k1x * ooz * (cos_phi * h * cos_b - t * sin_b);
                 let y = cy + k1y * ooz * (cos_phi * h * sin_b + t * cos_b);
-                // Minus y and z of the rotated normal: its dot product with (0, -1, -1).
+                // -y - z of the rotated normal: its dot product with (0, -1, -1).
                 let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
                     - sin_phi * cos_theta * sin_a
                     - sin_theta * cos_a
@@ -324,9 +334,8 @@ impl Classic {
 }
 
 /// donut.c's steps of theta and phi, or shorter ones for a larger picture. Where donut.c's donut is nearest
-/// to the viewer, its samples are about a cell apart, and leave almost no gaps. If K1 is n times donut.c's,
-/// each step is divided by n, so that they stay a cell apart (if R2 and K2 are donut.c's). If the cells have
-/// another shape, K1 in columns and K1 in rows are different multiples of donut.c's, and n is the larger one.
+/// to the viewer, its samples are about a cell apart, and leave almost no gaps. If K1 is n times donut.c's
+/// (in columns or in rows, whichever is more), each step is divided by n, so that the same holds.
 fn angle_steps(view: &View) -> [f64; 2] {
     let n = f64::max(view.k1x / View::DONUT_C.k1x, view.k1y / View::DONUT_C.k1y).max(1.0);
     [0.07 / n, 0.02 / n]
@@ -337,7 +346,7 @@ fn trig_table(step: f64) -> Vec<(f32, f32)> {
     let angles = std::iter::successors(Some(0.0), |&angle| Some(add_step(angle, step)));
     // donut.c stops at 6.28. With its own steps, TAU gives the same angles. With much shorter steps, stopping
     // at 6.28 would leave a gap.
-    angles.take_while(|&angle| f64::from(angle) < std::f64::consts::TAU).map(c_sin_cos).collect()
+    angles.take_while(|&angle| f64::from(angle) < TAU).map(c_sin_cos).collect()
 }
 
 /// donut.c's `angle += step`: C adds in `double` and rounds the sum to `float`.
@@ -356,16 +365,16 @@ fn c_sin_cos(angle: f32) -> (f32, f32) {
 
 /// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly an
 /// integer, and the rounding of sines and cosines, which differs between systems, would choose between two
-/// glyphs. With this, the brighter one is drawn (unless R2 is large, and rounding errors larger than this).
+/// glyphs. With this, the brighter one is drawn (unless R2 is so large that rounding errors exceed this).
 const TIE_BIAS: f64 = 1e-12;
 
 /// Shows in each cell what the ray through its centre hits first.
 fn trace(view: &View, a: f64, b: f64, framebuffer: &mut [u8]) {
     let &View { r2, k2, width, cx, cy, k1x, k1y, .. } = view;
-    let torus = Torus::new(r2, a, b);
+    let torus = Torus { r2, axis: axis(a, b) };
     let outline_radius = outline_radius(r2, k2);
     for (row, line) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
-        // A ray can only hit inside the outline of the bounding sphere, a circle. In this row, the circle
+        // A ray can hit only inside the outline of the bounding sphere, a circle. In this row, the circle
         // reaches from cx - half_width to cx + half_width. (Above and below it, half_width is 0: one cell is
         // left, and its ray misses.)
         let dy = (row as f64 + 0.5 - cy) / k1y;
@@ -389,8 +398,14 @@ fn trace(view: &View, a: f64, b: f64, framebuffer: &mut [u8]) {
 /// The donut of one frame.
 struct Torus {
     r2: f64,
-    /// The axis of revolution n: the vector (0, 0, 1), rotated by A and B.
+    /// The axis of revolution n, of length 1.
     axis: [f64; 3],
+}
+
+/// The axis of the donut after the rotation: the essay's (X, Y, Z) for h = 0 and f = 1.
+fn axis(a: f64, b: f64) -> [f64; 3] {
+    let [(sin_a, cos_a), (sin_b, cos_b)] = [a, b].map(f64::sin_cos);
+    [sin_a * sin_b, -sin_a * cos_b, cos_a]
 }
 
 /// Eight rays, reduced to the five numbers that decide where they hit one torus, and how bright the hits are.
@@ -405,7 +420,6 @@ struct Torus {
 /// P.light = light0 + light_u s     which the luminance needs
 /// ```
 /// So f0 is P0.n, fu is U.n, and light0 and light_u are the same with `light` in place of n.
-#[derive(Debug)]
 struct Rays {
     d0_squared: f64x8,
     f0: f64x8,
@@ -415,12 +429,8 @@ struct Rays {
 }
 
 impl Torus {
-    fn new(r2: f64, a: f64, b: f64) -> Torus {
-        let [(sin_a, cos_a), (sin_b, cos_b)] = [a, b].map(f64::sin_cos);
-        Torus { r2, axis: [sin_a * sin_b, -sin_a * cos_b, cos_a] }
-    }
-
-    /// The rays from the viewer at V = (0, 0, -K2) in the directions (dx, dy, 1).
+    /// The rays from the viewer at V = (0, 0, -K2) in the directions (dx, dy, 1): X / z is dx, and Y / z is
+    /// dy.
     ///
     /// U is (dx, dy, 1) divided by its length. So U = Uz (dx, dy, 1), and Uz^2 (dx^2 + dy^2 + 1) = 1. P0 is V
     /// without its part along U, and V.U = -K2 Uz:
@@ -444,8 +454,8 @@ impl Torus {
     }
 
     /// The s where each ray enters the donut's bounding volume: the slice of the bounding sphere between the
-    /// planes f = -1 and f = 1. But for rounding, no hit comes before it. For a ray that misses the volume,
-    /// any s will do.
+    /// planes f = -1 and f = 1. Except for rounding, no hit comes before it. A ray that misses the volume
+    /// misses from any s.
     fn entry(&self, &Rays { d0_squared, f0, fu, .. }: &Rays) -> f64x8 {
         let sphere_radius = 1.0 + self.r2;
         let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(f64x8::ZERO).sqrt();
@@ -464,7 +474,7 @@ impl Torus {
     /// of the tube there, and the normal leads from it to P:
     /// ```text
     /// normal = P - (R2 / h) (P - f n) = (1 - R2 / h) (P - f n) + f n
-    /// L      = (1 - R2 / h) (P.light - f n.light) + f n.light
+    /// L      = (1 - R2 / h) (P.light - f (n.light)) + f (n.light)
     /// ```
     /// As P is 1 away from the ring, (h - R2)^2 + f^2 = 1; and h^2 + f^2 = |P|^2. Subtract one from the other
     /// to get h: 2 R2 h = |P|^2 + R2^2 - 1.
@@ -479,11 +489,11 @@ impl Torus {
 }
 
 /// Each ray's quartic G: a polynomial in s, which is 0 where the ray meets the surface, positive outside the
-/// donut, and negative inside. It is written as a square and a linear part, because the search needs it so:
+/// donut, and negative inside. It is written as a square and a linear part, so that the search can leave out
+/// a square:
 /// ```text
 /// G(s) = (s^2 + p)^2 + 2 q s + c
 /// ```
-#[derive(Debug)]
 struct Quartic {
     p: f64x8,
     q: f64x8,
@@ -493,8 +503,8 @@ struct Quartic {
 /// The s of a ray that misses the donut.
 const MISS: f64 = f64::INFINITY;
 
-/// A search ends with a step that is not longer than this, in units of R1: about the square root of f64's
-/// precision, so that the square of such a step is no more than a rounding error.
+/// A search for a hit ends with a step no longer than this, in units of R1. It is about the square root of
+/// f64's precision, so that w^2, which the step neglects (see `first_hits`), is about a rounding error.
 const TOLERANCE: f64 = 1e-8;
 
 impl Quartic {
@@ -505,7 +515,7 @@ impl Quartic {
     /// ```text
     /// G = (m - 2 R2 h) (m + 2 R2 h) = m^2 - 4 R2^2 h^2 = m^2 - 4 R2^2 (|P|^2 - f^2)
     ///   = (s^2 + m0)^2 - 4 R2^2 (d0^2 + s^2 - (f0 + fu s)^2)     where m0 = d0^2 + R2^2 - 1
-    ///   = s^4 + 2 p s^2 + 2 q s + (p^2 + c)      where, if the coefficients are compared,
+    ///   = s^4 + 2 p s^2 + 2 q s + (p^2 + c)      so, comparing coefficients:
     /// p = m0 - 2 R2^2 (1 - fu^2)
     /// q = 4 R2^2 f0 fu
     /// c = m0^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
@@ -524,42 +534,42 @@ impl Quartic {
     /// The s of each ray's first hit, or `MISS`.
     ///
     /// All of the donut is in front of the viewer, so the first hit is the first root of G. The search starts
-    /// at `entry`, outside the donut or on it, and only steps to the right. From each s on, there is a
-    /// parabola (colons) that starts at the height of G and is nowhere above it. The search steps to r, the
-    /// first root of the parabola right of s. Before r, the parabola is positive, and so is G: no root is
-    /// passed.
+    /// at `entry`, outside the donut or on it, and only steps to the right. At each s, a parabola (colons)
+    /// starts at the height of G (stars) and, from there on, is nowhere above G. The search steps to r, the
+    /// first root of the parabola right of s. Before r, the parabola is positive, and so is G; at r, G is 0
+    /// or more. So, except for rounding, no root is passed.
     /// ```text
-    ///  G                                                            *
-    ///   *                       *******
-    ///    *                  ****       ***                         *
-    ///                     **              **
-    ///     *            ***                  **                    *
-    ///      **        **                       **                 *
-    ///        *s*****                            **
-    ///          :::::                              *             *
-    ///  -------------:r::::-------------------------**----------*-----> s
-    ///                     :::::::::                  ***     **::::::
-    ///                              :::::::::::::::::::::*****::
+    ///  *                                                            G
+    ///                        ************                          *
+    ///   *                 ***            ***
+    ///    **            ***                  **                    *
+    ///      **       ***                       **                 *
+    ///        *s*****                            ***             *
+    ///  ----------::::r::---------------------------**----------*-------> s
+    ///                   :::::::::                    ***     **  ::::
+    ///                            :::::::::::::::::::::::*****::::
     /// ```
-    /// Let w be (s + t)^2 - s^2 = 2 s t + t^2, for a step of t >= 0 from s, and base = s^2 + p:
+    /// For a step t >= 0 from s, let w = (s + t)^2 - s^2 = 2 s t + t^2, and base = s^2 + p:
     /// ```text
     /// G(s + t) = (base + w)^2 + 2 q (s + t) + c
-    ///          = g + 2 k t + 2 base t^2 + w^2      where g = G(s), and k = 2 base s + q, half the slope of G
-    ///         >= g - 2 fall t + 2 base t^2         where fall = -k if G falls at s, otherwise 0
+    ///          = g + 2 (2 base s + q) t + 2 base t^2 + w^2      where g = G(s)
+    ///         >= g - 2 fall t + 2 base t^2                      where fall = max(-2 base s - q, 0)
     /// ```
-    /// The last line is the parabola: a square, w^2, is left out, and so is the slope where G rises. Divided
-    /// by t^2, it is a quadratic in 1/t, as g > 0. The first root right of s has the largest 1/t, which is
+    /// The last line is the parabola. What it leaves out is never negative: w^2 and, where G rises, its
+    /// slope. (With the slope, the sum below would be a difference, and lose digits.) Divided by t^2, it is a
+    /// quadratic in 1/t, as g > 0. The first root right of s has the largest 1/t, which is
     /// `(fall + sqrt(fall^2 - 2 base g)) / g`. If this is not a positive number, the parabola stays positive
     /// right of s, and so does G: r is infinite, and the ray misses.
     ///
-    /// The last step of a search is at most TOLERANCE long. At its end, what is left of G is w^2, a rounding
-    /// error. (If G rises at s, g itself is that small, as fall is 0, and so g = -2 base t^2.) If rounding
-    /// has made g 0 or negative, r is not right of s, and the hit is at s. Every search ends: far out, base
-    /// is positive and fall is 0, so r is infinite, from where no step leads on.
+    /// Otherwise, the search ends with a step t no longer than TOLERANCE. If G falls at s, G is w^2 at r,
+    /// about a rounding error; if not, fall is 0, and g = -2 base t^2 is as small: a graze. If g is 0, or
+    /// negative by rounding, r is not right of s, and the hit is at s. Every search ends: each step before
+    /// the last is longer than TOLERANCE, and far out, base is positive and fall is 0, so that r is infinite.
     ///
-    /// Near a simple root, the parabola has the value and the slope of G, so the steps shrink as fast as
-    /// those of Newton's method. Near a triple root, there may be more than a thousand of them. A graze,
-    /// where G turns back at 0, but for rounding, may count as a hit or not.
+    /// Where G falls, the parabola has its value and slope, so near a simple root, the steps shrink as fast
+    /// as those of Newton's method. Near a multiple root, there may be more than a thousand, and the hit may
+    /// be 0.01 short, as measured, which changes 8 L by less than 0.02. A graze, where G turns back within
+    /// rounding and TOLERANCE of 0, may or may not count as a hit.
     fn first_hits(&self, entry: f64x8) -> f64x8 {
         let &Quartic { p, q, c } = self;
         let mut s = entry;
@@ -567,13 +577,13 @@ impl Quartic {
             let base = s * s + p;
             let g = base * base + (2.0 * q * s + c);
             let fall = (-2.0 * base * s - q).fast_max(f64x8::ZERO);
-            // Without a root on the right, the denominator is NaN or 0; `max` makes it 0, and r infinite.
+            // Without a root on the right, the denominator is NaN or 0. `max` makes it 0, and r infinite.
             let r = s + g / (fall + (fall * fall - 2.0 * base * g).sqrt()).max(f64x8::ZERO);
             let steps = r.simd_gt(s + TOLERANCE);
             if !steps.any() {
                 return s.max(r);
             }
-            // A lane that takes no step keeps its s and takes none later: its neighbours do not matter.
+            // A lane that takes no step takes none later: its neighbours do not matter.
             s = steps.select(r, s);
         }
     }
@@ -598,43 +608,48 @@ impl Quartic {
 struct Options {
     /// Frames per second; 0 means no limit
     ///
-    /// From 0 to 1000. At 60, the donut spins twice as fast as at 30.
-    #[arg(long, help_heading = "Motion", value_name = "N")]
-    #[arg(default_value = "30", value_parser = within(0.0..=1000.0))]
+    /// From 0 to 1000. Without --spin, the donut spins as fast at other rates
+    /// as at 30, only more or less smoothly; but with 0, as fast as it can.
+    #[arg(long, help_heading = "Motion", value_name = "N", verbatim_doc_comment)]
+    #[arg(default_value = "30", value_parser = within("a number", 0.0..=1000.0))]
     fps: f64,
 
     /// Stop after N frames; the last one stays on the screen
     ///
-    /// On a terminal, the first frame clears the screen, and the prompt comes
-    /// below the last one.
+    /// From 0 to 1000000000. On a terminal, what was on the screen scrolls
+    /// up, and the prompt comes below the last frame.
     #[arg(long, help_heading = "Motion", value_name = "N", verbatim_doc_comment)]
-    frames: Option<u64>,
+    #[arg(value_parser = within("an integer", 0..=1_000_000_000_u32))]
+    frames: Option<u32>,
 
-    /// Rotation per frame, in radians
+    /// Rotation from one frame to the next, in radians
+    /// [default: 0.04,0.02 at --fps 30; as fast at others]
     ///
-    /// Each frame adds DA to the angle A, and DB to the angle B.
+    /// DA is added to the angle A, and DB to the angle B.
     /// Both are from -1000 to 1000.
     #[arg(long, help_heading = "Motion", value_name = "DA,DB", verbatim_doc_comment)]
-    #[arg(default_value = "0.04,0.02", value_parser = parse_angles, allow_hyphen_values = true)]
-    spin: [f64; 2],
+    #[arg(alias = "speed", value_parser = parse_angles, allow_hyphen_values = true)]
+    spin: Option<[f64; 2]>,
 
     /// Angle A of the first frame, in radians
     ///
     /// A rotates the donut about the x axis, which points right.
-    #[arg(short = 'A', help_heading = "Motion", value_name = "RAD", allow_hyphen_values = true)]
-    #[arg(default_value = "0", value_parser = within(ANGLES))]
+    /// From -1000 to 1000.
+    #[arg(short = 'A', help_heading = "Motion", value_name = "RAD", verbatim_doc_comment)]
+    #[arg(default_value = "0", value_parser = within("a number", ANGLES), allow_hyphen_values = true)]
     a: f64,
 
     /// Angle B of the first frame, in radians
     ///
     /// B comes after A, and is about the z axis, which points away from you.
     /// It rotates the axis of A as well, so only z is fixed on the screen.
+    /// From -1000 to 1000.
     #[arg(short = 'B', help_heading = "Motion", value_name = "RAD", verbatim_doc_comment)]
-    #[arg(default_value = "0", value_parser = within(ANGLES), allow_hyphen_values = true)]
+    #[arg(default_value = "0", value_parser = within("a number", ANGLES), allow_hyphen_values = true)]
     b: f64,
 
-    /// How to draw; by default, donut.c's own picture is
-    /// classic, others exact
+    /// How to draw [default: classic for donut.c's picture,
+    /// exact for others]
     #[arg(long, help_heading = "Look", value_enum, verbatim_doc_comment)]
     method: Option<Method>,
 
@@ -651,15 +666,15 @@ struct Options {
     ///
     /// From 1 to 4096. On a terminal, at most its columns.
     #[arg(long, help_heading = "Size", value_name = "COLS")]
-    #[arg(value_parser = value_parser!(u16).range(1..=MAX_SIZE.into()))]
+    #[arg(value_parser = within("an integer", 1..=MAX_SIZE))]
     width: Option<u16>,
 
-    /// Rows [default: all but 2, or 22 in a pipe]
+    /// Rows [default: all but 1, or 22 in a pipe and in 80x24]
     ///
-    /// From 1 to 4096. On a terminal, at most its rows minus 2, but at
-    /// least 1. The top row stays empty, and so does the first column.
+    /// From 1 to 4096. On a terminal, at most its rows minus 1, because the
+    /// cursor needs one, but at least 1.
     #[arg(long, help_heading = "Size", value_name = "ROWS", verbatim_doc_comment)]
-    #[arg(value_parser = value_parser!(u16).range(1..=MAX_SIZE.into()))]
+    #[arg(value_parser = within("an integer", 1..=MAX_SIZE))]
     height: Option<u16>,
 
     /// Height of a cell divided by its width [default: the
@@ -667,7 +682,7 @@ struct Options {
     ///
     /// From 0.1 to 10. A cell is the place of one character.
     #[arg(long, help_heading = "Size", value_name = "RATIO", verbatim_doc_comment)]
-    #[arg(value_parser = within(ASPECTS))]
+    #[arg(value_parser = within("a number", ASPECTS))]
     aspect: Option<f64>,
 
     /// Radius of the ring, in tube radii
@@ -675,7 +690,7 @@ struct Options {
     /// From 1.01 to 30. The ring is the circle in the middle of the tube, all
     /// round the hole.
     #[arg(long, help_heading = "Geometry", value_name = "R", verbatim_doc_comment)]
-    #[arg(default_value_t = View::DONUT_C.r2, value_parser = within(R2S))]
+    #[arg(default_value_t = View::DONUT_C.r2, value_parser = within("a number", R2_RANGE))]
     r2: f64,
 
     /// Distance to the donut's centre, in tube radii
@@ -684,43 +699,48 @@ struct Options {
     /// At least 1.01 more than --r2, and at most 1000000. The donut is scaled
     /// to fit, so a greater distance flattens the perspective.
     #[arg(long, help_heading = "Geometry", value_name = "D", verbatim_doc_comment)]
-    #[arg(value_parser = within(K2S))]
+    #[arg(value_parser = within("a number", K2_RANGE))]
     k2: Option<f64>,
 }
 
 const AFTER_HELP: &str = "Keys:
   q, Esc, Ctrl-C  quit
-  p               pause or resume
+  space, p        pause or resume
   arrow keys      turn the donut
-  space           turn the shading off or on
+  m               change the method (only with donut.c's --r2 and --k2)
+  s               turn the shading off or on
   Ctrl-L          draw the screen again
   Ctrl-Z          suspend (not on Windows)
 
 Examples:
-  donut --fps 60 --spin 0.02,0.01   # smoother, at the same speed
-  donut -A 1 -B 1 --color cyan";
+  donut --fps 60 --color cyan   # smoother, and in colour
+  donut --spin 0,0              # stands still until an arrow key turns it";
 
 const MAX_SIZE: u16 = 4096;
 const ANGLES: RangeInclusive<f64> = -1e3..=1e3;
 const ASPECTS: RangeInclusive<f64> = 0.1..=10.0;
-// Beyond these, the hole or the tube is too small to see in most pictures.
-const R2S: RangeInclusive<f64> = 1.01..=30.0;
-const K2S: RangeInclusive<f64> = *R2S.start() + NEAREST..=1e6;
-/// The least distance from the viewer to the ring when the donut is edge-on, where R1 is 1.
+/// The least K2 - R2. When the donut is edge-on, the tube, whose radius is 1, comes so near to the viewer.
 const NEAREST: f64 = 1.01;
+// Beyond these, the hole or the tube is too small to see in most pictures.
+const R2_RANGE: RangeInclusive<f64> = 1.01..=30.0;
+const K2_RANGE: RangeInclusive<f64> = *R2_RANGE.start() + NEAREST..=1e6;
 
 /// A parser for the numbers in a range.
-fn within(range: RangeInclusive<f64>) -> impl Fn(&str) -> Result<f64, String> + Clone {
+fn within<T: Copy + Display + FromStr + PartialOrd>(
+    kind: &str,
+    range: RangeInclusive<T>,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let number = text.parse().ok().filter(|number| range.contains(number));
-        number.ok_or_else(|| format!("expected a number from {} to {}", range.start(), range.end()))
+        number.ok_or_else(|| format!("expected {kind} from {} to {}", range.start(), range.end()))
     }
 }
 
 fn parse_angles(text: &str) -> Result<[f64; 2], String> {
     let expected = "expected two angles with a comma between them, such as 0.04,0.02";
-    let (a, b) = text.split_once(',').ok_or(expected)?;
-    Ok([within(ANGLES)(a.trim())?, within(ANGLES)(b.trim())?])
+    let (a, b) = text.split_once(',').filter(|(_, b)| !b.contains(',')).ok_or(expected)?;
+    let angle = within("a number", ANGLES);
+    Ok([angle(a.trim())?, angle(b.trim())?])
 }
 
 fn parse_color(text: &str) -> Result<Color, String> {
@@ -732,9 +752,28 @@ fn parse_color(text: &str) -> Result<Color, String> {
     if let Ok(number) = text.parse() {
         return Ok(Color::AnsiValue(number));
     }
-    let name = text.to_lowercase().replace("gray", "grey");
+    let name = text.to_lowercase().replace("gray", "grey").replace(['-', ' '], "_");
     let color = Color::try_from(name.as_str()).ok().filter(|&color| color != Color::Reset);
     color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
+}
+
+/// The terminal's size, and the aspect of its cells.
+#[derive(Clone, Copy, PartialEq)]
+struct Window {
+    columns: u16,
+    rows: u16,
+    aspect: f64,
+}
+
+/// What a pipe counts as, and a terminal that does not know its size.
+const USUAL_WINDOW: Window = Window { columns: 80, rows: 24, aspect: View::ASPECT };
+
+/// The aspect of a cell, from the size of the window in cells and in pixels, or 2 if these cannot be right.
+fn cell_aspect((columns, rows): (u16, u16), (width, height): (u16, u16)) -> f64 {
+    // In whole pixels, because some terminals count a border in. (0 / 0 is NaN, which is in no range.)
+    let aspect = f64::from(height / rows.max(1)) / f64::from(width / columns.max(1));
+    // OpenSSH for Windows says 640x480 of any window.
+    if ASPECTS.contains(&aspect) && (width, height) != (640, 480) { aspect } else { View::ASPECT }
 }
 
 impl Options {
@@ -743,42 +782,52 @@ impl Options {
         self.k2.unwrap_or(View::DONUT_C.k2 * (1.0 + self.r2) / (1.0 + View::DONUT_C.r2))
     }
 
-    /// What is wrong with --k2 or --method, whose rules depend on other options.
-    fn conflict(&self) -> Option<String> {
-        let (r2, k2) = (self.r2, self.k2());
-        let View { r2: own_r2, k2: own_k2, .. } = View::DONUT_C;
-        // The difference of two decimals may be a little too small.
-        if k2 - r2 < NEAREST - 1e-9 {
-            Some(format!(
-                "--k2 must be at least {NEAREST} more than --r2, but these are {k2} and {r2}"
-            ))
-        } else if self.method == Some(Method::Classic) && (r2, k2) != (own_r2, own_k2) {
-            // With other lengths, the steps of `classic` may be too long: see `angle_steps`.
-            Some(format!(
-                "--method classic needs --r2 {own_r2} and --k2 {own_k2}, not {r2} and {k2}"
-            ))
-        } else {
-            None
-        }
+    /// donut.c turns by the frame. By default, the donut spins at every rate as fast as at 30 frames a
+    /// second.
+    fn spin(&self) -> [f64; 2] {
+        let times = if self.fps > 0.0 { 30.0 / self.fps } else { 1.0 };
+        self.spin.unwrap_or([0.04 * times, 0.02 * times])
     }
 
-    /// A renderer for a picture of the size that the options ask for. A window limits the size.
-    fn renderer(&self, window: Option<Window>) -> Renderer {
+    /// Whether `classic` can draw this: with other lengths, its steps may be too long (see `angle_steps`).
+    fn fits_classic(&self) -> bool {
+        (self.r2, self.k2()) == (View::DONUT_C.r2, View::DONUT_C.k2)
+    }
+
+    /// What is wrong with --k2 or --method, whose rules depend on other options.
+    fn conflict(&self) -> Option<String> {
+        let (r2, k2, c) = (self.r2, self.k2(), View::DONUT_C);
+        // 1e-9, because in binary, the difference of two decimals may be a little too small.
+        if k2 - r2 < NEAREST - 1e-9 {
+            return Some(format!("--k2 must be at least {NEAREST} more than --r2, which is {r2}"));
+        }
+        let is_refused = self.method == Some(Method::Classic) && !self.fits_classic();
+        is_refused.then(|| format!("--method classic needs --r2 {} and --k2 {}", c.r2, c.k2))
+    }
+
+    /// The view for a window, which limits the size of the picture. `None` stands for a pipe.
+    fn view(&self, window: Option<Window>) -> View {
         let Window { columns, rows, aspect } = window.unwrap_or(USUAL_WINDOW);
-        // One row stays free above the picture, and one below it.
-        let rows = rows.saturating_sub(2).max(1);
-        let size = |given: Option<u16>, all: u16| {
-            let most = if window.is_some() { all.min(MAX_SIZE) } else { MAX_SIZE };
-            usize::from(given.unwrap_or(all).min(most))
-        };
-        let (width, height) = (size(self.width, columns), size(self.height, rows));
-        let view = |aspect| View::new(width, height, aspect, self.r2, self.k2());
+        let most = |size: u16| if window.is_some() { size.min(MAX_SIZE) } else { MAX_SIZE };
+        // The cursor needs the last row. At 80x24, donut.c's picture leaves another one free.
+        let most_rows = most(rows.saturating_sub(1).max(1));
+        let all_rows = if (columns, rows) == (80, 24) { 22 } else { most_rows };
+        let width = self.width.unwrap_or(columns).min(most(columns)).into();
+        let height = self.height.unwrap_or(all_rows).min(most_rows).into();
         // donut.c's own picture is the same in every font, unless --aspect is given.
-        let default_aspect =
-            if view(View::ASPECT) == View::DONUT_C { View::ASPECT } else { aspect };
-        let view = view(self.aspect.unwrap_or(default_aspect));
-        let default_method = if view == View::DONUT_C { Method::Classic } else { Method::Exact };
-        Renderer::new(view, self.method.unwrap_or(default_method))
+        let is_donut_c = (width, height) == (View::DONUT_C.width, View::DONUT_C.height)
+            && (rows >= 24 && self.fits_classic())
+            && self.aspect.is_none_or(|aspect| aspect == View::ASPECT);
+        let aspect = self.aspect.unwrap_or(aspect);
+        let fitted = View::fitted(width, height, aspect, self.r2, self.k2());
+        if is_donut_c { View::DONUT_C } else { fitted }
+    }
+
+    /// By default, classic draws donut.c's own picture, and exact draws all others.
+    fn renderer(&self, window: Option<Window>, method: Option<Method>) -> Renderer {
+        let view = self.view(window);
+        let default = if view == View::DONUT_C { Method::Classic } else { Method::Exact };
+        Renderer::new(view, method.unwrap_or(default))
     }
 }
 
@@ -824,8 +873,9 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
     // If --fps is tiny, a Duration cannot hold so many seconds. 1e9 of them, nearly 32 years, will do.
     let seconds = if options.fps > 0.0 { f64::min(1.0 / options.fps, 1e9) } else { 0.0 };
     let interval = Duration::from_secs_f64(seconds);
-    let mut window = terminal.map(Terminal::window).transpose()?.flatten();
-    let mut renderer = options.renderer(window);
+    // On a terminal, the first iteration asks for the window.
+    let (mut window, mut method) = (None, options.method);
+    let mut renderer = options.renderer(window, method);
     let mut angles = [options.a, options.b];
     let mut clear = true; // donut.c, too, begins by clearing the screen.
     let (mut is_paused, mut is_shaded) = (false, true);
@@ -834,7 +884,7 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
 
     while options.frames.is_none_or(|frames| frame_count < frames) {
         let until_due = due.saturating_duration_since(Instant::now());
-        let shown = (angles, is_shaded);
+        let shown = (angles, method, is_shaded);
         if let Some(terminal) = terminal {
             let timeout = if is_paused { Duration::MAX } else { until_due };
             for event in terminal.events(timeout) {
@@ -842,17 +892,22 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
                 clear |= matches!(event, Event::Resize(..)); // Even if the old size is back.
                 let Some(key) = event.as_key_press_event() else { continue };
                 match (key.modifiers - KeyModifiers::SHIFT, key.code) {
-                    // If the code of another key comes in pieces, over a slow line, its ESC counts as Esc. On
-                    // Unix, Ctrl-C sends a signal, and is a key only where `stty` has changed that.
+                    // Over a slow line, the escape code of an arrow key may come in pieces. Then its ESC
+                    // counts as Esc. On Unix, Ctrl-C sends a signal, and is a key only where `stty` has
+                    // changed that.
                     (KeyModifiers::NONE, KeyCode::Char('q' | 'Q') | KeyCode::Esc)
                     | (KeyModifiers::CONTROL, KeyCode::Char('c' | 'C')) => return Ok(()),
-                    (KeyModifiers::NONE, KeyCode::Char('p' | 'P')) => is_paused = !is_paused,
-                    (KeyModifiers::NONE, KeyCode::Char(' ')) => is_shaded = !is_shaded,
-                    // The side that faces the viewer turns the way that the arrow points.
-                    (_, KeyCode::Up) => angles = renderer.advance(angles, [-0.1, 0.0]),
-                    (_, KeyCode::Down) => angles = renderer.advance(angles, [0.1, 0.0]),
-                    (_, KeyCode::Left) => angles = renderer.advance(angles, [0.0, -0.1]),
-                    (_, KeyCode::Right) => angles = renderer.advance(angles, [0.0, 0.1]),
+                    (KeyModifiers::NONE, KeyCode::Char(' ' | 'p' | 'P')) => is_paused = !is_paused,
+                    (KeyModifiers::NONE, KeyCode::Char('s' | 'S')) => is_shaded = !is_shaded,
+                    (KeyModifiers::NONE, KeyCode::Char('m' | 'M')) if options.fits_classic() => {
+                        let is_classic = renderer.classic.is_some();
+                        method = Some(if is_classic { Method::Exact } else { Method::Classic });
+                        renderer = options.renderer(window, method);
+                    }
+                    (_, KeyCode::Up) => angles = turned(angles, 1, -0.1),
+                    (_, KeyCode::Down) => angles = turned(angles, 1, 0.1),
+                    (_, KeyCode::Left) => angles = turned(angles, 0, -0.1),
+                    (_, KeyCode::Right) => angles = turned(angles, 0, 0.1),
                     (KeyModifiers::CONTROL, KeyCode::Char('l' | 'L')) => clear = true,
                     #[cfg(unix)]
                     (KeyModifiers::CONTROL, KeyCode::Char('z' | 'Z')) => terminal.suspend()?,
@@ -866,7 +921,7 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
             let new_window = terminal.window()?;
             if new_window != window {
                 (window, clear) = (new_window, true);
-                renderer = options.renderer(window);
+                renderer = options.renderer(window, method);
             }
         } else {
             thread::sleep(until_due);
@@ -875,14 +930,14 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
         let is_due = !is_paused && due <= Instant::now();
         if is_due {
             if frame_count > 0 {
-                angles = renderer.advance(angles, options.spin);
+                angles = renderer.advance(angles, options.spin());
             }
             frame_count += 1;
             // Each frame is due one interval after the one before was due, so that delays do not add up. But
             // after a stall, the next is due now, so that the missed frames do not come in a burst.
             due = (due + interval).max(Instant::now());
         }
-        if is_due || clear || (angles, is_shaded) != shown {
+        if is_due || clear || (angles, method, is_shaded) != shown {
             renderer.render_frame(angles[0], angles[1]);
             if !is_shaded {
                 renderer.remove_shading();
@@ -893,6 +948,24 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
         }
     }
     Ok(())
+}
+
+/// The angles A and B after a turn that moves the side that faces the viewer along axis 0, x, to the right,
+/// or along axis 1, y, down. A negative angle moves it to the left, or up.
+///
+/// Only the donut's axis can be seen, and many pairs of angles give the same axis: each angle may have some
+/// whole turns more or less, and -A with B + pi is as good as A with B. Of these pairs, this one is the
+/// nearest to the old angles, so that the donut goes on spinning the same way.
+fn turned([a, b]: [f64; 2], along: usize, angle: f64) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    let mut n = axis(a, b);
+    (n[along], n[2]) = (n[along] * cos - n[2] * sin, n[along] * sin + n[2] * cos);
+    let (new_a, new_b) = (f64::hypot(n[0], n[1]).atan2(n[2]), n[0].atan2(-n[1]));
+    let nearest = |new: f64, old: f64| new + ((old - new) / TAU).round() * TAU;
+    let pairs = [[new_a, new_b], [-new_a, new_b + PI]];
+    let [one, other] = pairs.map(|[new_a, new_b]| [nearest(new_a, a), nearest(new_b, b)]);
+    let distance = |[new_a, new_b]: [f64; 2]| f64::hypot(new_a - a, new_b - b);
+    if distance(one) <= distance(other) { one } else { other }
 }
 
 // ---- Terminal ------------------------------------------------------------------------------------
@@ -915,17 +988,6 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
 
 /// The number of SIGINT, the signal that Ctrl-C stands for.
 const SIGINT: i32 = 2;
-
-/// The terminal's size, and the aspect of its cells.
-#[derive(Clone, Copy, PartialEq)]
-struct Window {
-    columns: u16,
-    rows: u16,
-    aspect: f64,
-}
-
-/// What a pipe counts as, and a terminal that does not know its size.
-const USUAL_WINDOW: Window = Window { columns: 80, rows: 24, aspect: View::ASPECT };
 
 struct Terminal {
     /// With --frames, the alternate screen is not used, because the last frame has to stay.
@@ -1005,7 +1067,7 @@ impl Terminal {
         let (columns, rows, pixels) = termios::tcgetwinsize(stdio::stdout())
             .map(|size| (size.ws_col, size.ws_row, (size.ws_xpixel, size.ws_ypixel)))?;
         #[cfg(windows)]
-        let (columns, rows, pixels) = terminal::size().map(|size| (size.0, size.1, (0, 0)))?;
+        let (columns, rows, pixels) = term::size().map(|size| (size.0, size.1, (0, 0)))?;
         let aspect = || cell_aspect((columns, rows), pixels);
         Ok((columns > 0 && rows > 0).then(|| Window { columns, rows, aspect: aspect() }))
     }
@@ -1026,13 +1088,16 @@ impl Terminal {
         // Only after SIGSTOP is there something to leave. The shell has changed the settings since then, but
         // crossterm takes raw mode for granted. The screen may be the shell's, so it is not cleared.
         leave(self.uses_alternate_screen, false)?;
-        terminal::enable_raw_mode()
+        term::enable_raw_mode()
             .map_err(|error| io::Error::other(format!("cannot read keys: {error}")))?;
         self.keys.unpark();
         #[cfg(unix)]
         Terminal::adjust_settings()?;
         if self.uses_alternate_screen {
-            queue!(io::stdout(), terminal::EnterAlternateScreen)?;
+            queue!(io::stdout(), term::EnterAlternateScreen)?;
+        } else if let Some(window) = self.window()? {
+            // What is on the screen scrolls up into the scrollback.
+            queue!(io::stdout(), Print("\n".repeat(window.rows.into())))?;
         }
         execute!(io::stdout(), cursor::Hide)?;
         Ok(true)
@@ -1048,7 +1113,7 @@ impl Terminal {
         settings.local_modes |= LocalModes::ISIG;
         // Ctrl-Z arrives as a key: see `suspend`. The value for "no key" differs between systems, so the key
         // that suspends is that of Ctrl-C, too, and the system takes it as Ctrl-C.
-        settings.special_codes[Key::VSUSP] = settings.special_codes[Key::VINTR];
+        settings.special_codes[CodeIndex::VSUSP] = settings.special_codes[CodeIndex::VINTR];
         // `\n` leads to the start of a new line, so that a frame is the same as in a pipe.
         settings.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
         termios::tcsetattr(&tty, OptionalActions::Now, &settings)?;
@@ -1083,28 +1148,20 @@ impl Terminal {
     }
 }
 
-/// The aspect of a cell, from the size of the window in cells and in pixels, or 2 if these cannot be right.
-fn cell_aspect((columns, rows): (u16, u16), (width, height): (u16, u16)) -> f64 {
-    // In whole pixels, because some terminals count a border in. (0 / 0 is NaN, which is in no range.)
-    let aspect = f64::from(height / rows) / f64::from(width / columns);
-    // OpenSSH for Windows says 640x480 of any window.
-    if ASPECTS.contains(&aspect) && (width, height) != (640, 480) { aspect } else { View::ASPECT }
-}
-
 /// Leaves the terminal, if the program has entered it.
 fn leave(uses_alternate_screen: bool, clear: bool) -> io::Result<()> {
-    if !terminal::is_raw_mode_enabled()? {
+    if !term::is_raw_mode_enabled()? {
         return Ok(());
     }
     let mut bytes = Vec::new();
     // Ctrl-C discards output that the terminal has not taken yet, so the last frame may lack its end.
-    queue!(bytes, terminal::EndSynchronizedUpdate, style::ResetColor, cursor::MoveToColumn(0))?;
+    queue!(bytes, term::EndSynchronizedUpdate, style::ResetColor, cursor::MoveToColumn(0))?;
     if uses_alternate_screen && clear {
         // After a change of size, tmux would copy what is there into the shell's screen.
-        queue!(bytes, terminal::Clear(terminal::ClearType::All))?;
+        queue!(bytes, term::Clear(term::ClearType::All))?;
     }
     if uses_alternate_screen {
-        queue!(bytes, terminal::LeaveAlternateScreen)?;
+        queue!(bytes, term::LeaveAlternateScreen)?;
     }
     queue!(bytes, cursor::Show)?;
     let written = io::stdout().write_all(&bytes).and_then(|()| io::stdout().flush());
@@ -1113,7 +1170,7 @@ fn leave(uses_alternate_screen: bool, clear: bool) -> io::Result<()> {
 
 /// Restores the settings, unless the program is in the background, where they are the shell's.
 fn restore_settings() -> io::Result<()> {
-    if is_in_background() { Ok(()) } else { terminal::disable_raw_mode() }
+    if is_in_background() { Ok(()) } else { term::disable_raw_mode() }
 }
 
 /// Whether the terminal is not the program's, but that of another job, such as the shell.

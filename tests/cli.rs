@@ -44,11 +44,14 @@ fn both_helps_are_complete_and_fit_into_80_columns() {
 /// {} stands for the value, which is empty between two blanks and after the last one.
 #[test]
 fn values_are_accepted_within_their_limits_and_no_others_are() {
-    let fps = "a number from 0 to 1000";
+    let fps = "expected a number from 0 to 1000";
+    let frames = "expected an integer from 0 to 1000000000";
+    let size = "expected an integer from 1 to 4096";
     let aspect = "a number from 0.1 to 10";
     let angle = "a number from -1000 to 1000";
+    let two_angles = "expected two angles with a comma between them";
     let no_angle = "1000.001 -1000.001 2e9 nan inf -inf north 1,2 ";
-    let no_angles = "2e9,0 0,1000.001 inf,0 a,b 0.04, ,0.02 , 1,2,3 1,2,";
+    let no_angles = "2e9,0 0,1000.001 inf,0 a,b 0.04, ,0.02 ,";
     let no_color = "crimson 256 -1 #12345 #1234567 #12345g #+12345 +12345  reset";
     let color = "a name from --help, 0 to 255, or '#rrggbb'";
     let r2 = "a number from 1.01 to 30";
@@ -56,32 +59,33 @@ fn values_are_accepted_within_their_limits_and_no_others_are() {
     let far = "--k2 must be at least 1.01 more than --r2";
     let classic = "--method classic needs --r2 2 and --k2 5";
     for (options, refused, message, accepted) in [
-        ("--width {}", "0 4097 -5 65536", ["'{}' for '--width", "{} is not in 1..=4096"], "1 4096"),
-        (
-            "--height {}",
-            "0 4097 -5 65536",
-            ["'{}' for '--height", "{} is not in 1..=4096"],
-            "1 4096",
-        ),
-        ("--width {}", "1.5 x  1e3", ["'{}' for '--width", "error"], ""),
+        ("--width {}", "0 4097 -5 65536 1.5 x  1e3", ["'{}' for '--width", size], "1 4096"),
+        ("--height {}", "0 4097 -5 65536 1.5 x  1e3", ["'{}' for '--height", size], "1 4096"),
         ("--fps {}", "-1 -0.5 -5 1000.1 1001 nan inf fast ", ["'{}' for '--fps", fps], "0 1000"),
-        ("--frames {}", "-1 18446744073709551616 1.5 many ", ["'{}' for '--frames", "error"], "2"),
+        (
+            "--frames {}",
+            "-1 1000000001 4294967296 1e3 1.5 many ",
+            ["'{}' for '--frames", frames],
+            "2",
+        ),
         ("--aspect {}", "0 0.09 10.1 11 -2 nan wide ", ["'{}' for '--aspect", aspect], "0.1 10"),
         ("-A {}", no_angle, ["'{}' for '-A", angle], "-1000 -1.5 -1e-3 1e3"),
         ("-B {}", no_angle, ["'{}' for '-B", angle], "-1000 -1.5 -1e-3 1e3"),
         ("--spin {}", no_angles, ["'{}' for '--spin", angle], "-1e3,1e3 -0.04,0.02"),
-        ("--spin {}", "0.04 0.04;0.02  -", ["'{}' for '--spin", "two angles with a comma"], "0,0"),
+        ("--spin {}", "0.04 0.04;0.02  - 1,2,3 1,2,", ["'{}' for '--spin", two_angles], "0,0"),
         ("--method {}", "magic", ["'{}' for '--method", "classic, exact"], "classic exact"),
         ("--color {}", no_color, ["'{}' for '--color", color], "0 255"),
         ("--r2 {}", "1.009 30.1 -2 nan ", ["'{}' for '--r2", r2], "1.01 4 30"),
-        ("--r2=10 --k2 {}", "11.0099 10", [far, "but these are {} and 10"], "11.01"),
-        ("--r2=1.1 --k2 {}", "2.10999 2.02", [far, "but these are {} and 1.1"], "2.11"),
-        ("--r2=30 --k2 {}", "31.00999 5", [far, "but these are {} and 30"], "31.01"),
-        ("--k2 {}", "3.00999999", [far, "but these are {} and 2"], "3.01 1000000"),
+        ("--r2=10 --k2 {}", "11.0099 10", [far, "which is 10"], "11.01"),
+        ("--r2=1.1 --k2 {}", "2.10999 2.02", [far, "which is 1.1"], "2.11"),
+        ("--r2=30 --k2 {}", "31.00999 5", [far, "which is 30"], "31.01"),
+        ("--k2 {}", "3.00999999", [far, "which is 2"], "3.01 1000000"),
         ("--k2 {}", "1000000.1 2.019 -5 NaN big 1,2", ["'{}' for '--k2", k2], "5"),
-        ("--method=classic --r2 {}", "3", ["not {} and 6.66", classic], "2"),
-        ("--method=classic --k2 {}", "5.000001", ["not 2 and {}", classic], "5"),
-        ("--speed {}", "3", ["unexpected argument", "--speed"], ""),
+        ("--method=classic --r2 {}", "3", [classic, "5\n"], "2"),
+        ("--method=classic --k2 {}", "5.000001", [classic, "5\n"], "5"),
+        // Who looks for the speed is told of --spin.
+        ("--speed {}", "3", ["'{}' for '--spin", two_angles], "1,1"),
+        ("--rate {}", "3", ["unexpected argument", "--rate"], ""),
         ("{}", "80", ["unexpected argument", "'{}'"], ""),
         ("{}", "--width", ["a value is required", "{}"], ""),
         ("--color {}", "--fps -A", ["a value is required for '--color", "none was supplied"], ""),
@@ -138,7 +142,7 @@ fn each_frame_sets_and_resets_the_colour_however_it_is_written() {
     let plain = run("--frames=2 --fps=0").unwrap();
     for (colors, set) in [
         ("cyan CYAN 14", "\x1b[38;5;14m"),
-        ("dark_red", "\x1b[38;5;1m"),
+        ("dark_red dark-red Dark-Red", "\x1b[38;5;1m"),
         ("grey gray GRAY", "\x1b[38;5;7m"),
         ("dark_grey dark_gray", "\x1b[38;5;8m"),
         ("208", "\x1b[38;5;208m"),
@@ -195,7 +199,8 @@ fn every_frame_is_one_write() {
     assert_eq!(packets, [4 + frame, frame, frame]);
 }
 
-/// Reads frame 0, pauses, and returns how long it takes to read `count` more frames of `size` cells.
+/// Reads frame 0, pauses, and returns how long it takes to read `count` more frames, which have `size` bytes
+/// without their `ESC [ H` and the last newline.
 fn time_to_read(options: &str, size: usize, pause: Duration, count: usize) -> Duration {
     let mut donut = start(options, Stdio::piped());
     let mut stream = donut.0.stdout.take().unwrap();
@@ -226,7 +231,7 @@ fn frames_come_at_the_rate_asked_for() {
 fn after_a_stall_the_missed_frames_do_not_come_in_a_burst() {
     // A pipe holds only a few frames of this size. A hundred more come due while nobody reads it.
     let options = "--fps=100 --width=400 --height=100";
-    let time = time_to_read(options, 400 * 100, Duration::from_secs(1), 60);
+    let time = time_to_read(options, 401 * 100 - 1, Duration::from_secs(1), 60);
     // A few frames come at once: those in the pipe, the one that was being written, and the two after it.
     assert!(time >= Duration::from_millis(200), "{time:?}");
 }
@@ -239,7 +244,7 @@ fn after_a_stall_the_missed_frames_do_not_come_in_a_burst() {
 fn a_frame_that_comes_late_does_not_delay_the_frames_after_it() {
     let options = "--fps=2.5 --width=400 --height=400";
     let interval = Duration::from_millis(400);
-    let is_in_time = |_| time_to_read(options, 400 * 400, interval.mul_f64(2.5), 3) < interval;
+    let is_in_time = |_| time_to_read(options, 401 * 400 - 1, interval.mul_f64(2.5), 3) < interval;
     assert!((0..10).any(is_in_time), "a frame that comes late delays the frames after it");
 }
 
@@ -288,8 +293,12 @@ proptest! {
         if let Ok(drawn) = drawn {
             prop_assert_eq!(frames(&drawn).len(), 2);
             for frame in frames(&drawn) {
-                prop_assert_eq!(frame.len(), width * height + 1);
                 prop_assert!(frame.chars().all(|cell| ".,-~:;=!*#$@ \n".contains(cell)));
+                prop_assert!(frame.ends_with('\n'));
+                let rows: Vec<_> = frame.lines().map(str::len).collect();
+                let is_donut_cs = frame.starts_with('\n');
+                prop_assert!(!is_donut_cs || (width, height, r2, k2, aspect) == (80, 22, 2.0, 5.0, 2.0));
+                prop_assert!(is_donut_cs || rows == vec![width; height], "{:?}", rows);
             }
         }
     }

@@ -26,7 +26,7 @@ fn sha256(text: &str) -> String {
 fn assert_golden(name: &str, frame: &str) {
     let path = format!("{}/tests/golden/{name}.txt", env!("CARGO_MANIFEST_DIR"));
     let golden = fs::read_to_string(path).unwrap();
-    assert!(frame == golden, "{name}\nexpected:{golden}\ndrawn:{frame}");
+    assert!(frame == golden, "{name}\nexpected:\n{golden}\ndrawn:\n{frame}");
 }
 
 #[test]

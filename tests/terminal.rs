@@ -78,8 +78,15 @@ fn wait_for_picture(pty: &Pty, size: (u16, u16)) {
 }
 
 /// The lines of a screen that the still donut fills.
-fn picture((columns, rows): (u16, u16)) -> Vec<String> {
-    last_picture("", (columns, rows.saturating_sub(2).max(1)), rows)
+fn picture(size: (u16, u16)) -> Vec<String> {
+    picture_with("", size)
+}
+
+/// The lines of a screen that the still donut fills with this option.
+fn picture_with(option: &str, (columns, rows): (u16, u16)) -> Vec<String> {
+    // The cursor needs the last row. At 80x24, donut.c's picture leaves another one free.
+    let height = if (columns, rows) == SIZE { 22 } else { rows.saturating_sub(1).max(1) };
+    last_picture(option, (columns, height), rows)
 }
 
 /// The lines of a screen with so many rows, after the still donut has been drawn there in this size, and with
@@ -87,10 +94,31 @@ fn picture((columns, rows): (u16, u16)) -> Vec<String> {
 fn last_picture(option: &str, (width, height): (u16, u16), rows: u16) -> Vec<String> {
     let size = format!("--width={width} --height={height}");
     let written = in_a_pipe(format!("{STILL} --frames=1 {size} {option}").trim_end());
-    let frame = frames(&written)[0].lines();
-    let mut lines: Vec<_> = frame.map(|line| line.trim_end().to_string()).collect();
+    let mut lines: Vec<_> = frames(&written)[0].split('\n').map(trimmed).collect();
+    // In a terminal of one row, the newline at the end of the picture moves it up and away.
+    lines.drain(..lines.len().saturating_sub(rows.into()));
     lines.resize(rows.into(), String::new());
     lines
+}
+
+fn trimmed(line: &str) -> String {
+    line.trim_end().to_string()
+}
+
+/// The lines of a screen without the shading.
+fn flat(lines: &[String]) -> Vec<String> {
+    lines.iter().map(|line| line.replace(|cell| cell != ' ', ".")).collect()
+}
+
+/// A picture as the terminal gets it, in place of which a pipe gets `pipes_picture`: each newline becomes a
+/// carriage return and a newline, and the blanks at the end of a row become `ESC [ K`.
+fn on_a_terminal(pipes_picture: &str) -> String {
+    let rows = pipes_picture.split('\n').map(|row| {
+        let (cells, reset) = row.split_at(row.find("\x1b[0m").unwrap_or(row.len()));
+        let cut = cells.trim_end_matches(' ');
+        format!("{cut}{}{reset}", if cut.len() < cells.len() { "\x1b[K" } else { "" })
+    });
+    rows.collect::<Vec<_>>().join("\r\n")
 }
 
 /// What donut writes with these options if there is no terminal.
@@ -155,7 +183,9 @@ fn side_by_side<T: Debug + Sync>(cases: &[T], run: impl Fn(&T) + Sync) {
 
 #[test]
 fn the_picture_fits_the_screen_at_every_size() {
-    side_by_side(&[SIZE, (120, 40), (200, 50), (20, 6), (3, 4), (2, 3)], |&size| {
+    let large = [SIZE, (120, 40), (200, 50)];
+    let small = [(20, 6), (20, 2), (20, 1), (3, 4), (2, 3), (1, 6), (1, 2), (1, 1)];
+    side_by_side(&[&large[..], &small].concat(), |&size| {
         let pty = run_donut(STILL, size);
         wait_for_picture(&pty, size);
         wait_for_more_frames(&pty, 5);
@@ -164,39 +194,38 @@ fn the_picture_fits_the_screen_at_every_size() {
         assert_eq!(pty.written().matches("\x1b[2J").count(), 1);
         assert_quits(&pty);
     });
-    // Here there is no room for the donut.
-    for size in [(80, 2), (80, 1)] {
-        let pty = run_donut("--method=classic", size);
-        wait_for_more_frames(&pty, 2);
+}
+
+#[test]
+fn every_frame_is_a_synchronized_update_and_lacks_only_the_blanks_at_the_ends_of_rows() {
+    let cases = [("", SIZE), ("--color=red", SIZE), ("--width=100 --height=29", (100, 30))];
+    side_by_side(&cases, |&(options, size)| {
+        let pty = run_donut(options, size);
+        wait_for_more_frames(&pty, 6);
         assert_quits(&pty);
-    }
+        let written = pty.written();
+        let updates: Vec<_> = written.split("\x1b[?2026h").skip(1).collect();
+        // The q may have come within the last one.
+        let (_, whole) = updates.split_last().unwrap();
+        let frames = whole.iter().map(|update| update.strip_suffix(END_OF_FRAME).expect("an end"));
+        let in_a_pipe = in_a_pipe(format!("--frames={} {options}", whole.len()).trim_end());
+        assert!(!in_a_pipe.contains("\x1b[K"));
+        assert_eq!(
+            frames.map(|frame| format!("{frame}\r\n")).collect::<String>(),
+            on_a_terminal(&in_a_pipe)
+        );
+    });
 }
 
 #[test]
-fn every_frame_is_a_synchronized_update_of_donut_cs_bytes() {
-    let pty = run_donut("", SIZE);
-    wait_for_more_frames(&pty, 6);
-    assert_quits(&pty);
-    let written = pty.written();
-    let updates: Vec<_> = written.split("\x1b[?2026h").skip(1).collect();
-    // The q may have come within the last one.
-    let (_, whole) = updates.split_last().unwrap();
-    let frames = whole.iter().map(|update| update.strip_suffix(END_OF_FRAME).expect("an end"));
-    // The terminal writes each newline as a carriage return and a newline.
-    let frames = frames.map(|frame| format!("{frame}\n")).collect::<String>().replace("\r\n", "\n");
-    assert_eq!(frames, in_a_pipe(&format!("--frames={}", whole.len())));
-}
-
-#[test]
-fn space_and_resizes_redraw_the_same_frame() {
+fn s_and_resizes_redraw_the_same_frame() {
     let pty = run_donut(&format!("-A=1 -B=0.5 --frames=2 {ONE_FRAME}"), SIZE);
-    let flat = |line: &String| line.replace(|cell| cell != ' ', ".");
-    let flat_picture: Vec<_> = picture(SIZE).iter().map(flat).collect();
+    let flat_picture = flat(&picture(SIZE));
     wait_for_picture(&pty, SIZE);
-    for _ in 0..3 {
-        pty.type_bytes(b" ");
+    for key in [b"s", b"S", b"s"] {
+        pty.type_bytes(key);
         pty.wait_for("dots", |pty| pty.lines() == flat_picture);
-        pty.type_bytes(b" ");
+        pty.type_bytes(key);
         wait_for_picture(&pty, SIZE);
         pty.resize((90, 30));
         wait_for_picture(&pty, (90, 30));
@@ -228,11 +257,8 @@ fn a_terminal_that_does_not_know_its_size_is_taken_for_80x24() {
     for size in [(0, 0), (80, 0), (0, 24)] {
         let pty = run_donut(STILL, size);
         wait_for_first_frame(&pty);
-        let written = pty.written();
-        let frame = written.split("\x1b[H").nth(1).unwrap().split(END_OF_FRAME).next().unwrap();
-        let rows: Vec<_> = frame.lines().map(str::len).collect();
-        // A newline takes the place of the first of the 80 columns.
-        assert_eq!((rows[0], &rows[1..]), (0, &[79; 22][..]), "{size:?}");
+        let frame = on_a_terminal(in_a_pipe(&format!("{STILL} --frames=1")).trim_end_matches('\n'));
+        assert!(pty.written().contains(&(frame + END_OF_FRAME)), "{size:?}");
     }
 }
 
@@ -243,7 +269,7 @@ fn cells_have_the_shape_that_the_terminal_tells() {
     side_by_side(&shapes, |&(width, height)| {
         let ratio = if width > 0 { f64::from(height) / f64::from(width) } else { 2.0 };
         let [told, given] =
-            [ratio, 1.5].map(|ratio| last_picture(&format!("--aspect={ratio}"), (100, 34), 36));
+            [ratio, 1.5].map(|ratio| picture_with(&format!("--aspect={ratio}"), size));
         let pixels = (100 * width, 36 * height);
         let pty = run_donut(&format!("{STILL} --fps=5"), size);
         // While it runs, the pixels change, and later only a border, which changes nothing else.
@@ -321,25 +347,28 @@ fn each_key_that_quits_restores_the_terminal() {
 }
 
 #[test]
-fn p_pauses_and_resumes() {
-    let pty = run_donut("", SIZE);
-    wait_for_first_frame(&pty);
-    // The keys are obeyed in this order, so once a whole frame is without shading, donut has paused.
-    pty.type_bytes(b"P ");
-    pty.wait_for("dots", |pty| {
-        let cells = pty.lines().concat();
-        let is_flat = cells.contains('.') && cells.chars().all(|cell| cell == '.' || cell == ' ');
-        is_flat && pty.written().ends_with(END_OF_FRAME)
+fn space_and_p_pause_and_resume() {
+    side_by_side(&["p", "P", " "], |key| {
+        let pty = run_donut("", SIZE);
+        wait_for_first_frame(&pty);
+        // The keys are obeyed in this order, so once a whole frame is without shading, donut has paused.
+        pty.type_bytes(format!("{key}s").as_bytes());
+        pty.wait_for("dots", |pty| {
+            let lines = pty.lines();
+            lines.concat().contains('.')
+                && lines == flat(&lines)
+                && pty.written().ends_with(END_OF_FRAME)
+        });
+        let paused = frame_count(&pty);
+        sleep(Duration::from_millis(1500)); // Once a second, the loop wakes up.
+        assert_eq!(frame_count(&pty), paused);
+        pty.resize((100, 30));
+        pty.wait_for("the paused picture at the new size", |pty| frame_count(pty) > paused);
+        pty.type_bytes(key.as_bytes());
+        wait_for_more_frames(&pty, 5);
+        pty.type_bytes(key.as_bytes());
+        assert_quits(&pty);
     });
-    let paused = frame_count(&pty);
-    sleep(Duration::from_millis(1500)); // Once a second, the loop wakes up.
-    assert_eq!(frame_count(&pty), paused);
-    pty.resize((100, 30));
-    pty.wait_for("the paused picture at the new size", |pty| frame_count(pty) > paused);
-    pty.type_bytes(b"p");
-    wait_for_more_frames(&pty, 5);
-    pty.type_bytes(b"p");
-    assert_quits(&pty);
 }
 
 #[test]
@@ -355,24 +384,52 @@ fn other_keys_do_nothing_and_are_not_echoed() {
     assert_quits(&pty);
 }
 
-#[test]
-fn the_arrow_keys_turn_the_donut_even_while_it_is_paused() {
-    let turned = |a: f64, b: f64, (width, height): (u16, u16)| {
-        last_picture(&format!("-A={a} -B={b}"), (width, height - 2), height)
+/// The angles A and B of the donut after a turn by a tenth of a radian, which moves the near side the way that
+/// an arrow key points.
+fn turned([a, b]: [f64; 2], arrow: char) -> [f64; 2] {
+    // The donut's axis: x points to the right, y down, and z away from the viewer, so that what is nearest has
+    // a negative z.
+    let (x, y, z) = (a.sin() * b.sin(), -a.sin() * b.cos(), a.cos());
+    let (sin, cos) = 0.1_f64.sin_cos();
+    let (x, y, z) = match arrow {
+        '↑' => (x, y * cos + z * sin, z * cos - y * sin),
+        '↓' => (x, y * cos - z * sin, z * cos + y * sin),
+        '←' => (x * cos + z * sin, y, z * cos - x * sin),
+        '→' => (x * cos - z * sin, y, z * cos + x * sin),
+        _ => (x, y, z),
     };
-    // At 80x24, classic draws, and at 100x30, exact. The wheel sends arrow keys, too, in some terminals.
-    side_by_side(&[SIZE, (100, 30)], |&size| {
-        let pty = run_donut(&format!("-A=1 -B=0.5 {ONE_FRAME}"), size);
-        pty.wait_for("the first frame", |pty| pty.lines() == turned(1.0, 0.5, size));
-        for (keys, a, b) in [
-            ("p", 1.0, 0.5),
-            ("\x1b[A", 0.9, 0.5),
-            ("\x1b[C", 0.9, 0.6),
-            ("p\x1b[D\x1bOD", 0.9, 0.4),
-            ("\x1b[1;2B\x1b[B", 1.1, 0.4),
-        ] {
-            pty.type_bytes(keys.as_bytes());
-            pty.wait_for(keys, |pty| pty.lines() == turned(a, b, size));
+    [z.acos(), x.atan2(-y)]
+}
+
+#[test]
+fn the_arrow_keys_turn_the_near_side_the_way_they_point_even_while_it_is_paused() {
+    // In the first two, classic draws, which rounds the angles, so they are those that `turned` returns. The
+    // others have whole turns more or less; in the last, the axis points at the viewer.
+    let poses = [
+        (SIZE, [1.0, 0.5]),
+        (SIZE, [2.0, -2.5]),
+        ((100, 30), [1.0, 0.5]),
+        ((100, 30), [6.0, 3.0]),
+        ((100, 30), [40.0, 20.0]),
+        ((100, 30), [-8.5, 2.5]),
+        ((100, 30), [-1.0, -500.0]),
+        ((100, 30), [0.0, 0.0]),
+    ];
+    // The wheel sends arrow keys, too, in some terminals.
+    let codes = [("↑", "\x1b[A"), ("↓", "\x1b[1;2B"), ("→", "\x1b[C"), ("←", "\x1bOD")];
+    side_by_side(&poses, |&(size, [a, b])| {
+        let picture = |[a, b]: [f64; 2]| picture_with(&format!("-A={a} -B={b}"), size);
+        let pty = run_donut(&format!("-A={a} -B={b} {ONE_FRAME}"), size);
+        pty.wait_for("the first frame", |pty| pty.lines() == picture([a, b]));
+        let mut pose = [a, b];
+        for keys in ["p↑", "→", "→p", "←←←", "↓↓↓↓↓↓", "↑↑↑↑", "→→→→", "↓↓↓↓", "←←←←"]
+        {
+            pose = keys.chars().fold(pose, turned);
+            let bytes =
+                codes.iter().fold(keys.to_string(), |keys, (key, code)| keys.replace(key, code));
+            pty.type_bytes(bytes.as_bytes());
+            let turned = picture(pose);
+            pty.wait_for(keys, |pty| pty.lines() == turned);
         }
         assert_quits(&pty);
     });
@@ -576,10 +633,10 @@ fn donut_goes_on_after_a_terminal_was_stuck() {
     assert_quits(&pty);
 }
 
-/// The programs before and after the donut share its standard output, and whether that is nonblocking.
+/// Programs share their standard output, and whether that is nonblocking, with those before and after them.
 #[test]
 fn donut_waits_for_a_slow_terminal_even_if_it_is_nonblocking() {
-    if !is_possible("dd oflag=nonblock count=0 < /dev/null | cat") {
+    if !is_possible("dd oflag=nonblock count=0 < /dev/null") {
         return;
     }
     let nonblocking = "dd oflag=nonblock count=0 < /dev/null 2> /dev/null";
@@ -729,7 +786,7 @@ fn run_steps(pty: &Pty, steps: &str) {
 /// In each line are shells, a command, and steps. A `-` stands for a shell without job control, which runs
 /// only this command. There, Ctrl-Z makes donut leave the terminal and enter it again.
 fn run_scenarios(table: &str) {
-    let tools = ["timeout --version", "setsid -w true"];
+    let tools = ["timeout --version", "setsid -w true", "xargs true < /dev/null", "bash -c :"];
     let scenarios: Vec<_> = table.lines().map(str::trim).filter(|s| s.contains(" | ")).collect();
     side_by_side(&scenarios, |scenario| {
         let (shells, rest) = scenario.split_once(" | ").unwrap();
@@ -867,6 +924,7 @@ fn the_settings_that_change_are_those_of_the_terminal_whose_keys_are_read() {
     assert!(pty.has_changed_settings());
     other.assert_settings_restored();
     assert_quits(&pty);
+    other.wait_for_output();
     other.assert_restored();
 }
 

@@ -55,9 +55,9 @@ fn enlarged(scale: usize) -> View {
     View { r2, k2, width: scale * width, height: scale * height, cx, cy, k1x, k1y }
 }
 
-/// The program's view of donut.c's donut in a picture of this size.
-fn fitted(width: usize, height: usize) -> View {
-    View::new(width, height, 2.0, 2.0, 5.0)
+/// The program's view of donut.c's donut in a picture that shows so many columns and rows.
+fn fitted(columns: usize, rows: usize) -> View {
+    View::fitted(columns, rows, 2.0, 2.0, 5.0)
 }
 
 /// The direction (dx, dy, 1) of the ray through a point of the screen.
@@ -65,8 +65,7 @@ fn direction(view: &View, x: f64, y: f64) -> (f64, f64) {
     ((x - view.cx) / view.k1x, (y - view.cy) / view.k1y)
 }
 
-/// The cells of a picture but those of column 0 and row 0, where nothing is drawn: for each, its index, the
-/// direction of the ray through its centre, and what the oracle sees there.
+/// The cells of a picture but those of its margin, column 0 and row 0: for each, its index, the direction of the ray through its centre, and what the oracle sees there.
 fn cells(view: &View, oracle: &Oracle) -> impl Iterator<Item = (usize, (f64, f64), Option<f64>)> {
     let columns_and_rows =
         (1..view.height).flat_map(|row| (1..view.width).map(move |column| (column, row)));

@@ -7,21 +7,57 @@ use super::*;
 mod pty;
 
 use pty::Pty;
+use signal_hook::consts::SIGUSR1;
 
 #[test]
-#[ignore = "panics on purpose; the next test runs it on a terminal of its own"]
+#[ignore = "panics on purpose; a test below runs it on a terminal of its own"]
 fn a_donut_that_panics() {
-    // No command line can ask for rows without cells. They make the program panic in its first
-    // frame, just after it has changed the terminal's settings.
-    run(&Options { width: Some(0), ..Options::parse_from(["donut"]) }).unwrap();
+    // No command line can ask for such a ring. Some of it is outside of the picture, which makes the program
+    // panic in its first frame, just after it has entered the terminal.
+    let ring = Options { r2: -3.0, k2: Some(5.0), ..Options::parse_from(["donut"]) };
+    run(&Options { method: Some(Method::Classic), ..ring }).unwrap();
+}
+
+#[test]
+#[ignore = "panics on purpose; tests below run it on a terminal of its own"]
+fn a_donut_with_a_thread_that_panics_at_sigusr1() {
+    let has_come = Arc::new(AtomicBool::new(false));
+    flag::register(SIGUSR1, has_come.clone()).unwrap();
+    thread::spawn(move || {
+        while !has_come.load(SeqCst) {
+            thread::sleep(Duration::from_millis(5));
+        }
+        panic!("here is SIGUSR1");
+    });
+    run(&Options::parse_from(["donut", "--fps=0"])).unwrap();
+}
+
+/// Runs one of the tests above on a terminal that does not read its output, until `start_reading` is called.
+fn run_unread(name: &str) -> Pty {
+    let program = env::current_exe().unwrap();
+    let test = ["--ignored", "--nocapture", "--exact", &format!("tests::panic::{name}")];
+    Pty::run_unread(program.to_str().unwrap(), &test, (80, 100))
+}
+
+#[track_caller]
+fn assert_restores_and_shows(pty: &Pty, message: &str) {
+    pty.assert_ends(101);
+    assert_eq!(pty.written().matches("\x1b[?1049l").count(), 1);
+    assert!(pty.lines().iter().any(|line| line.contains(message)), "{:?}", pty.lines());
 }
 
 #[test]
 fn a_panic_restores_the_terminal_and_is_shown() {
-    let program = env::current_exe().unwrap();
-    let panics = ["--ignored", "--nocapture", "--exact", "tests::panic::a_donut_that_panics"];
-    let pty = Pty::run(program.to_str().unwrap(), &panics, (80, 100));
-    pty.assert_ends(101);
-    assert_eq!(pty.written().matches("\x1b[?1049l").count(), 1);
-    assert!(pty.written().contains("panicked at src/main.rs"), "{:?}", pty.lines());
+    let pty = run_unread("a_donut_that_panics");
+    pty.start_reading(1 << 16, Duration::ZERO);
+    assert_restores_and_shows(&pty, "panicked at src/main.rs");
+}
+
+#[test]
+fn a_panic_in_another_thread_does_so_too() {
+    let pty = run_unread("a_donut_with_a_thread_that_panics_at_sigusr1");
+    pty.start_reading(1 << 16, Duration::ZERO);
+    pty.wait_for("a frame", |pty| pty.written().contains("\x1b[?2026l"));
+    pty.signal(rustix::process::Signal::USR1);
+    assert_restores_and_shows(&pty, "here is SIGUSR1");
 }

@@ -226,7 +226,7 @@ const COMPARED: [&str; 9] = [
 type NamedScene = (&'static str, View, Vec<(f64, f64)>);
 
 fn scenes() -> [NamedScene; 8] {
-    let scene = |r2, k2| View::new(160, 44, 2.0, r2, k2);
+    let scene = |r2, k2| View::fitted(160, 44, 2.0, r2, k2);
     let poses = donut_c_poses(10);
     let edge_on = poses.iter().map(|&(_, b)| (TAU / 4.0 + 1e-4, b)).collect();
     [

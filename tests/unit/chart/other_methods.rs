@@ -12,7 +12,7 @@ pub fn trace_eight_by_eight(
     first_hits: impl Fn(&Torus, &Rays) -> f64x8,
 ) -> Vec<u8> {
     let &View { r2, k2, width, cx, cy, k1x, k1y, .. } = view;
-    let torus = Torus::new(r2, a, b);
+    let torus = Torus { r2, axis: axis(a, b) };
     let mut framebuffer = vec![b' '; width * view.height];
     let outline_radius = outline_radius(r2, k2);
     for (row, line) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
