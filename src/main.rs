@@ -103,6 +103,7 @@ use wide::{f32x8, f64x8};
 #[cfg(unix)]
 use {
     rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl},
+    rustix::io::Errno,
     rustix::process::{Signal, getpgrp, kill_current_process_group},
     rustix::stdio,
     rustix::termios::{
@@ -854,16 +855,15 @@ fn run(options: &Options) -> io::Result<()> {
     if !io::stdout().is_terminal() {
         return play(options, None);
     }
-    #[cfg(unix)]
-    let flags = fcntl_getfl(stdio::stdout())?;
+    if env::var_os("TERM").is_some_and(|term| term == "dumb") {
+        return Err(io::Error::other("TERM is dumb, but the picture needs escape codes"));
+    }
     let terminal = Terminal::new(options.frames.is_none())?;
     let played = play(options, Some(&terminal));
-    let left = leave(terminal.uses_alternate_screen, !is_in_background());
-    #[cfg(unix)]
-    fcntl_setfl(stdio::stdout(), flags)?; // Nonblocking again, if it was: see `adjust_settings`.
-    match terminal.signal() {
+    let restored = leave(terminal.uses_alternate_screen);
+    match terminal.end_signal() {
         Some(signal) => end_by(signal), // Whatever `play` has returned.
-        None => played.and(left),
+        None => played.and(restored),
     }
 }
 
@@ -888,7 +888,7 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
         if let Some(terminal) = terminal {
             let timeout = if is_paused { Duration::MAX } else { until_due };
             for event in terminal.events(timeout) {
-                let event = event?;
+                let Some(event) = event? else { continue };
                 clear |= matches!(event, Event::Resize(..)); // Even if the old size is back.
                 let Some(key) = event.as_key_press_event() else { continue };
                 match (key.modifiers - KeyModifiers::SHIFT, key.code) {
@@ -914,8 +914,10 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
                     _ => {}
                 }
             }
+            #[cfg(unix)]
+            terminal.wait_for_foreground()?;
             clear |= terminal.enter()?;
-            if terminal.signal().is_some() {
+            if terminal.end_signal().is_some() {
                 return Ok(());
             }
             let new_window = terminal.window()?;
@@ -970,92 +972,107 @@ fn turned([a, b]: [f64; 2], along: usize, angle: f64) -> [f64; 2] {
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-// To *enter* the terminal is to set raw mode, in which each key is sent at once and is not echoed, to switch
-// to the alternate screen, a second screen for programs that fill it, and to hide the cursor. To *leave* it
-// is to undo all this. Only the main thread enters and draws. A second thread reads the keys, and sends them
-// to the loop. A third, ctrlc's, ends the loop's sleep when the handler of a signal has stored its number.
+// To *enter* the terminal is to set three things: raw mode, in which each key is sent at once and is not
+// echoed; the alternate screen, a second screen for programs that fill it; and a hidden cursor. To *leave* it
+// is to undo all this. crossterm knows whether raw mode is set, and so whether the program has entered.
 //
-// q, last frame, error   `run` leaves, and returns the error.
-// SIGINT (from Ctrl-C),  `run` leaves, and ends the program by the signal. If the terminal takes no output,
-// SIGTERM, SIGHUP        ctrlc's thread ends it after three seconds, and restores nothing but the settings.
-// SIGQUIT (Ctrl-\)       The same, but ctrlc's thread does not notice it. The loop does when it wakes next.
-// Ctrl-Z                 A key. The loop leaves, stops the program until the shell's `fg`, and enters again.
-// SIGSTOP, SIGTSTP       Stop the program as it is. When it is resumed, the loop leaves and enters again.
-// in the background      The loop stops the program before it enters or draws, until the shell's `fg`.
-// Where no shell could resume it, the loop ends with an error.
-// the terminal is gone   The loop ends by SIGHUP, or by an error within a second.
-// a panic                Its hook leaves, in any thread, shows the message, and exits with 101.
+// The main thread runs the loop, and only it enters and draws. A second thread reads the keys, and sends them
+// to the loop. A third, which ctrlc starts, wakes the loop after a signal.
+//
+// What ends the program, and the exit status that a shell then reports:
+// - q, Esc or the last frame: the loop ends, and `run` leaves. 0.
+// - An error: the same, and `main` shows the message. 1.
+// - SIGINT (Ctrl-C), SIGTERM or SIGHUP: the same, and `run` ends the program by the signal. 130, 143 or 129.
+// - SIGQUIT (Ctrl-\): the same, but ctrlc does not know it, so a loop that sleeps wakes only after up to a
+//   second. 131.
+// - The terminal is gone: by SIGHUP (129), or by an error within a second (1).
+// - A panic, in any thread: its hook leaves, and shows the message. 101.
+//
+// If the terminal takes no output, a thread may be stuck in a write. Ctrl-C and Ctrl-\ free it, because the
+// system then discards what the terminal has not taken. After another SIGINT, SIGTERM or SIGHUP, or a panic,
+// the program ends after three seconds, and restores only the settings. Another SIGQUIT waits.
+//
+// What stops the program, until the shell's `fg`:
+// - Ctrl-Z is a key. The loop leaves, stops the program, and enters again.
+// - SIGSTOP and SIGTSTP stop the program as it is. When it is resumed in the foreground, the loop leaves and
+//   enters again.
+// - In the background, the loop stops the program before it enters or draws. Where no shell could resume it,
+//   it ends with an error.
 
-/// The number of SIGINT, the signal that Ctrl-C stands for.
+/// The number of SIGINT, the signal that Ctrl-C stands for. (signal-hook names it, too, but only on Unix.)
 const SIGINT: i32 = 2;
 
 struct Terminal {
     /// With --frames, the alternate screen is not used, because the last frame has to stay.
     uses_alternate_screen: bool,
-    /// Keys and new sizes. An error says that no more can be read, or that a signal has come.
-    inbox: mpsc::Receiver<io::Result<Event>>,
-    /// The thread that reads the keys.
-    keys: thread::Thread,
+    /// Keys and new sizes; or `None`, which only wakes the loop, after a signal. An error says that no more
+    /// keys can be read.
+    inbox: mpsc::Receiver<io::Result<Option<Event>>>,
+    /// The first message starts the thread that reads the keys.
+    start_reading: mpsc::Sender<()>,
     /// The number of the last signal that has asked the program to end, or 0.
-    signal: Arc<AtomicUsize>,
-    /// Whether `enter` has to enter: at the start, and after a stop, of which SIGCONT's handler tells.
-    must_enter: Arc<AtomicBool>,
+    last_signal: Arc<AtomicUsize>,
+    /// Set by SIGCONT's handler: the program was stopped, and has been resumed.
+    was_resumed: Arc<AtomicBool>,
 }
 
 impl Terminal {
     fn new(uses_alternate_screen: bool) -> io::Result<Terminal> {
-        if env::var_os("TERM").is_some_and(|term| term == "dumb") {
-            return Err(io::Error::other("TERM is dumb, but the picture needs escape codes"));
-        }
         let previous_hook = panic::take_hook();
         panic::set_hook(Box::new(move |info| {
-            let _stdout = io::stdout().lock(); // The loop must not draw over the message.
-            let _ = leave(uses_alternate_screen, true);
+            let _ = thread::Builder::new().spawn(|| end_if_stuck(|| process::exit(101)));
+            let _stdout = io::stdout().lock(); // The loop must neither enter nor draw any more.
+            let _ = leave(uses_alternate_screen);
             previous_hook(info);
             process::exit(101) // By itself, a panic ends the program only in the main thread.
         }));
 
         let (sender, inbox) = mpsc::sync_channel(100);
-        let (signal, must_enter) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(true)));
+        let (last_signal, was_resumed): (Arc<AtomicUsize>, Arc<AtomicBool>) = Default::default();
         // ctrlc replaces the handlers that it finds, and signal-hook adds to them, so ctrlc comes first.
-        let (to_loop, stored) = (sender.clone(), signal.clone());
+        let (to_loop, number) = (sender.clone(), last_signal.clone());
         ctrlc::set_handler(move || {
-            // On Windows, nothing else stores a number; on Unix, only the first microseconds lack the
-            // handlers.
-            let _ = stored.compare_exchange(0, SIGINT as usize, SeqCst, SeqCst);
-            let _ = to_loop.try_send(Err(io::ErrorKind::Interrupted.into()));
-            thread::sleep(Duration::from_secs(3)); // If this ends, the loop is stuck in a write.
-            let _ = restore_settings();
-            end_by(stored.load(SeqCst) as i32)
+            // ctrlc's handler runs first, so the number may come a moment later. If none comes (on Windows,
+            // or before the handlers below are registered), the signal counts as SIGINT.
+            wait_until(|| number.load(SeqCst) > 0);
+            let _ = number.compare_exchange(0, SIGINT as usize, SeqCst, SeqCst);
+            let _ = to_loop.try_send(Ok(None)); // If the inbox is full, the loop is awake.
+            end_if_stuck(|| end_by(number.load(SeqCst) as i32))
         })
-        .map_err(io::Error::other)?;
+        .map_err(|_| io::Error::other("cannot start a thread that waits for signals"))?;
         #[cfg(unix)]
         for number in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
-            flag::register_usize(number, signal.clone(), number as usize)?;
+            flag::register_usize(number, last_signal.clone(), number as usize)?;
         }
         #[cfg(unix)]
-        flag::register(SIGCONT, must_enter.clone())?;
-        // A thread, because even `event::poll` waits for the end of an escape code that has begun.
+        flag::register(SIGCONT, was_resumed.clone())?;
+
+        // A thread, because even `event::poll` waits for the end of an escape code that has begun. It waits
+        // for `enter`, because reading in the background would stop the program.
+        let (start_reading, start) = mpsc::channel();
         let reader = thread::Builder::new().name("keys".into()).spawn(move || {
-            thread::park(); // Until `enter`, because in the background, to read would stop the program.
-            while sender.send(event::read()).is_ok() {}
-        })?;
-        // After `(donut &)`, with /dev/null as input, the shell takes the terminal back a moment later.
+            let _ = start.recv();
+            while sender.send(event::read().map(Some)).is_ok() {}
+        });
+        reader.map_err(|_| io::Error::other("cannot start a thread that reads keys"))?;
+        // A shell starts `(donut &)`, with /dev/null as input, as if in the foreground, and takes the
+        // terminal back a moment later. If the program had entered by then, the shell would take raw mode for
+        // the user's own settings.
         if !io::stdin().is_terminal() {
             thread::sleep(Duration::from_millis(50));
         }
-        let keys = reader.thread().clone();
-        Ok(Terminal { uses_alternate_screen, inbox, keys, signal, must_enter })
+        Ok(Terminal { uses_alternate_screen, inbox, start_reading, last_signal, was_resumed })
     }
 
     /// The signal that has asked the program to end.
-    fn signal(&self) -> Option<i32> {
-        Some(self.signal.load(SeqCst) as i32).filter(|&signal| signal > 0)
+    fn end_signal(&self) -> Option<i32> {
+        Some(self.last_signal.load(SeqCst) as i32).filter(|&signal| signal > 0)
     }
 
-    /// Waits for an event, but no longer than this, and returns all that have come. The loop has to look at
-    /// least once a second whether the terminal is gone.
-    fn events(&self, timeout: Duration) -> impl Iterator<Item = io::Result<Event>> {
+    /// Waits for an event, but no longer than `timeout`, and returns all that have come. At least once a
+    /// second, the loop has to look whether the terminal is gone, and for SIGQUIT and SIGCONT, which do not
+    /// wake it.
+    fn events(&self, timeout: Duration) -> impl Iterator<Item = io::Result<Option<Event>>> {
         let first = self.inbox.recv_timeout(timeout.min(Duration::from_secs(1)));
         first.into_iter().chain(self.inbox.try_iter())
     }
@@ -1067,43 +1084,65 @@ impl Terminal {
         let (columns, rows, pixels) = termios::tcgetwinsize(stdio::stdout())
             .map(|size| (size.ws_col, size.ws_row, (size.ws_xpixel, size.ws_ypixel)))?;
         #[cfg(windows)]
-        let (columns, rows, pixels) = term::size().map(|size| (size.0, size.1, (0, 0)))?;
-        let aspect = || cell_aspect((columns, rows), pixels);
-        Ok((columns > 0 && rows > 0).then(|| Window { columns, rows, aspect: aspect() }))
+        let ((columns, rows), pixels) = (term::size()?, (0, 0));
+        // Standard input may be another terminal. If that is gone, crossterm looks for keys for ever.
+        #[cfg(unix)]
+        if let Err(error @ Errno::IO) = termios::tcgetwinsize(stdio::stdin()) {
+            return Err(error.into());
+        }
+        let aspect = cell_aspect((columns, rows), pixels);
+        Ok((columns > 0 && rows > 0).then_some(Window { columns, rows, aspect }))
     }
 
-    /// Enters, in the foreground, if that has to be done and no signal has come. Says whether it has.
-    fn enter(&self) -> io::Result<bool> {
-        // In the background, the settings are the shell's. crossterm would save them as the program's own
-        // before the system stops the program, which it does when they are changed.
-        #[cfg(unix)]
-        while is_in_background() && self.signal().is_none() {
+    /// In the background, stops the program until the shell's `fg`, or until a signal asks it to end.
+    ///
+    /// There, the settings are the shell's. The system stops a program that changes them, but by then,
+    /// crossterm would have saved them as those to restore.
+    #[cfg(unix)]
+    fn wait_for_foreground(&self) -> io::Result<()> {
+        while is_in_background() && self.end_signal().is_none() {
             if !self.stop(Signal::TTOU) {
                 return Err(io::Error::other("no shell can bring this job to the foreground"));
             }
         }
-        if self.signal().is_some() || !self.must_enter.swap(false, SeqCst) {
+        Ok(())
+    }
+
+    /// Enters at the start, after `suspend`, and after another stop, unless a signal asks the program to end.
+    /// Says whether it has entered, because all has to be drawn again then.
+    fn enter(&self) -> io::Result<bool> {
+        let mut stdout = io::stdout().lock(); // After a panic, its hook has this, and leaves.
+        let is_inside = term::is_raw_mode_enabled()?;
+        let was_resumed = self.was_resumed.swap(false, SeqCst);
+        if self.end_signal().is_some() || (is_inside && !was_resumed) {
             return Ok(false);
         }
-        // Only after SIGSTOP is there something to leave. The shell has changed the settings since then, but
-        // crossterm takes raw mode for granted. The screen may be the shell's, so it is not cleared.
-        leave(self.uses_alternate_screen, false)?;
+        if is_inside {
+            // The program was stopped before it could leave. The shell has changed the settings, but
+            // crossterm would not set raw mode twice, and some terminals forget the shell's cursor if the
+            // alternate screen is entered twice. The screen may be the shell's, so it is not cleared here.
+            if self.uses_alternate_screen {
+                queue!(stdout, term::LeaveAlternateScreen)?;
+            }
+            term::disable_raw_mode()?;
+        }
         term::enable_raw_mode()
             .map_err(|error| io::Error::other(format!("cannot read keys: {error}")))?;
-        self.keys.unpark();
         #[cfg(unix)]
         Terminal::adjust_settings()?;
+        let _ = self.start_reading.send(());
         if self.uses_alternate_screen {
-            queue!(io::stdout(), term::EnterAlternateScreen)?;
+            queue!(stdout, term::EnterAlternateScreen)?;
         } else if let Some(window) = self.window()? {
             // What is on the screen scrolls up into the scrollback.
-            queue!(io::stdout(), Print("\n".repeat(window.rows.into())))?;
+            queue!(stdout, Print("\n".repeat(window.rows.into())))?;
         }
-        execute!(io::stdout(), cursor::Hide)?;
+        // `ESC [ r` removes scroll margins that another program has left. They would cut the picture.
+        execute!(stdout, Print("\x1b[r"), cursor::Hide)?;
         Ok(true)
     }
 
-    /// Changes the settings of raw mode, on the terminal whose keys crossterm reads.
+    /// Adjusts raw mode, on the terminal whose keys crossterm reads, and how the program writes.
     #[cfg(unix)]
     fn adjust_settings() -> io::Result<()> {
         let stdin = stdio::stdin().try_clone_to_owned()?;
@@ -1112,7 +1151,7 @@ impl Terminal {
         // Ctrl-C and Ctrl-\ send signals, which arrive even after half an escape code.
         settings.local_modes |= LocalModes::ISIG;
         // Ctrl-Z arrives as a key: see `suspend`. The value for "no key" differs between systems, so the key
-        // that suspends is that of Ctrl-C, too, and the system takes it as Ctrl-C.
+        // that suspends is set to Ctrl-C; the system looks for the key that interrupts first.
         settings.special_codes[CodeIndex::VSUSP] = settings.special_codes[CodeIndex::VINTR];
         // `\n` leads to the start of a new line, so that a frame is the same as in a pipe.
         settings.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
@@ -1121,51 +1160,64 @@ impl Terminal {
         Ok(fcntl_setfl(stdio::stdout(), fcntl_getfl(stdio::stdout())? - OFlags::NONBLOCK)?)
     }
 
-    /// Suspends the program until the shell's `fg`. When a script stops, the shell writes its prompt, which
-    /// would be lost on the alternate screen. So the program leaves the terminal first.
+    /// Suspends the program until the shell's `fg`. If a script that runs the program is stopped with it, the
+    /// shell writes its prompt, which would be lost on the alternate screen. So the program leaves first.
     #[cfg(unix)]
     fn suspend(&self) -> io::Result<()> {
-        leave(self.uses_alternate_screen, true)?;
-        if self.signal().is_none() {
+        leave(self.uses_alternate_screen)?;
+        if self.end_signal().is_none() {
             self.stop(Signal::TSTP);
         }
-        self.must_enter.store(true, SeqCst);
         self.inbox.try_iter().for_each(drop); // The keys that came with Ctrl-Z.
         Ok(())
     }
 
     /// Stops the program's job, scripts that run the program included, until a shell resumes it. Says whether
-    /// it was stopped: the system ignores this where no shell could resume it.
+    /// it was stopped: the system ignores the signal where no shell could resume the job.
     #[cfg(unix)]
     fn stop(&self, signal: Signal) -> bool {
-        self.must_enter.store(false, SeqCst);
+        self.was_resumed.store(false, SeqCst);
         let _ = kill_current_process_group(signal);
         // Not every system stops the program before the line above returns.
-        (0..10).any(|_| {
-            thread::sleep(Duration::from_millis(10));
-            self.must_enter.load(SeqCst)
-        })
+        wait_until(|| self.was_resumed.load(SeqCst))
     }
 }
 
+/// Waits until something is true, up to a tenth of a second, and says whether it is.
+fn wait_until(is_true: impl Fn() -> bool) -> bool {
+    (0..100).any(|_| {
+        thread::sleep(Duration::from_millis(1));
+        is_true()
+    })
+}
+
 /// Leaves the terminal, if the program has entered it.
-fn leave(uses_alternate_screen: bool, clear: bool) -> io::Result<()> {
+fn leave(uses_alternate_screen: bool) -> io::Result<()> {
     if !term::is_raw_mode_enabled()? {
         return Ok(());
     }
     let mut bytes = Vec::new();
     // Ctrl-C discards output that the terminal has not taken yet, so the last frame may lack its end.
     queue!(bytes, term::EndSynchronizedUpdate, style::ResetColor, cursor::MoveToColumn(0))?;
-    if uses_alternate_screen && clear {
-        // After a change of size, tmux would copy what is there into the shell's screen.
-        queue!(bytes, term::Clear(term::ClearType::All))?;
-    }
     if uses_alternate_screen {
+        // After a change of size, tmux would copy what is there into the shell's screen. (In the background,
+        // the screen may be the shell's.)
+        if !is_in_background() {
+            queue!(bytes, term::Clear(term::ClearType::All))?;
+        }
         queue!(bytes, term::LeaveAlternateScreen)?;
     }
     queue!(bytes, cursor::Show)?;
     let written = io::stdout().write_all(&bytes).and_then(|()| io::stdout().flush());
     restore_settings().and(written)
+}
+
+/// Ends the program if that has not happened after three seconds, because a thread is stuck in a write. The
+/// terminal takes no output then, so only its settings are restored.
+fn end_if_stuck(end: impl FnOnce()) {
+    thread::sleep(Duration::from_secs(3));
+    let _ = restore_settings();
+    end()
 }
 
 /// Restores the settings, unless the program is in the background, where they are the shell's.
@@ -1176,10 +1228,9 @@ fn restore_settings() -> io::Result<()> {
 /// Whether the terminal is not the program's, but that of another job, such as the shell.
 fn is_in_background() -> bool {
     #[cfg(unix)]
-    return [stdio::stdin(), stdio::stdout()]
-        .into_iter()
-        .find_map(|tty| termios::tcgetpgrp(tty).ok())
-        .is_some_and(|group| group != getpgrp());
+    return termios::tcgetpgrp(stdio::stdin())
+        .or_else(|_| termios::tcgetpgrp(stdio::stdout()))
+        .is_ok_and(|group| group != getpgrp());
     #[cfg(windows)]
     false
 }

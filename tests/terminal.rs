@@ -641,7 +641,7 @@ fn donut_waits_for_a_slow_terminal_even_if_it_is_nonblocking() {
     }
     let nonblocking = "dd oflag=nonblock count=0 < /dev/null 2> /dev/null";
     let is_nonblocking = "grep -q 'flags:.*[4567]...$' /proc/self/fdinfo/1";
-    let line = format!("{nonblocking}; {is_nonblocking} && DONUT --fps=0 && {is_nonblocking}");
+    let line = format!("{nonblocking}; {is_nonblocking} && DONUT --fps=0 && ! {is_nonblocking}");
     let pty = Pty::run_unread("sh", &["-c", &command(&line)], (200, 60));
     pty.start_reading(2000, Duration::from_millis(10));
     wait_for_more_frames(&pty, 5);

@@ -61,3 +61,12 @@ fn a_panic_in_another_thread_does_so_too() {
     pty.signal(rustix::process::Signal::USR1);
     assert_restores_and_shows(&pty, "here is SIGUSR1");
 }
+
+#[test]
+fn a_panic_in_another_thread_ends_the_program_even_if_the_loop_is_stuck_in_a_write() {
+    let pty = run_unread("a_donut_with_a_thread_that_panics_at_sigusr1");
+    pty.wait_until_full();
+    pty.signal(rustix::process::Signal::USR1);
+    assert_eq!(pty.wait_for_exit(), 101);
+    pty.assert_settings_restored();
+}
