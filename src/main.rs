@@ -110,7 +110,7 @@ use {
         self, LocalModes, OptionalActions, OutputModes, SpecialCodeIndex as CodeIndex,
     },
     signal_hook::consts::{SIGCONT, SIGHUP, SIGQUIT, SIGTERM},
-    signal_hook::{flag, low_level},
+    signal_hook::{flag, iterator::Signals, low_level},
     std::fs::File,
 };
 
@@ -180,8 +180,8 @@ enum Method {
 /// The characters that show the luminance, from dark to bright.
 const RAMP: &[u8; 12] = b".,-~:;=!*#$@";
 
-/// The character for a luminance L: the one at index 8 L of the ramp. L is at most sqrt 2, so 8 L is at most
-/// 11.3, and 11 is the last index: 8 and the length of the ramp belong together.
+/// The character for a luminance L: the one at index 8 L of the ramp. L is at most sqrt 2, so 8 L is about
+/// 11.3 at most, and 11 is the last index: 8 and the length of the ramp belong together.
 fn glyph(luminance: f64) -> u8 {
     // `as u8` drops the fraction, and makes a negative number 0. `min` only saves a bounds check.
     RAMP[usize::from((8.0 * luminance) as u8).min(RAMP.len() - 1)]
@@ -336,7 +336,7 @@ impl Classic {
 
 /// donut.c's steps of theta and phi, or shorter ones for a larger picture. Where donut.c's donut is nearest
 /// to the viewer, its samples are about a cell apart, and leave almost no gaps. If K1 is n times donut.c's
-/// (in columns or in rows, whichever is more), each step is divided by n, so that the same holds.
+/// (in columns or rows, whichever is more), steps divided by n do the same, if R2 and K2 are donut.c's.
 fn angle_steps(view: &View) -> [f64; 2] {
     let n = f64::max(view.k1x / View::DONUT_C.k1x, view.k1y / View::DONUT_C.k1y).max(1.0);
     [0.07 / n, 0.02 / n]
@@ -455,14 +455,14 @@ impl Torus {
     }
 
     /// The s where each ray enters the donut's bounding volume: the slice of the bounding sphere between the
-    /// planes f = -1 and f = 1. Except for rounding, no hit comes before it. A ray that misses the volume
-    /// misses from any s.
+    /// planes f = -1 and f = 1. Except for rounding, no hit comes before it. For a ray that misses the
+    /// volume, any s will do: it has no hit.
     fn entry(&self, &Rays { d0_squared, f0, fu, .. }: &Rays) -> f64x8 {
         let sphere_radius = 1.0 + self.r2;
         let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(f64x8::ZERO).sqrt();
         // A ray enters the slice through the plane f = -1 if f grows along the ray, otherwise through f = 1.
         // If fu is 0, the ray never crosses the planes. Between them, `slice_entry` is -infinity; in one of
-        // them, it is that or NaN, which `max` ignores: the sphere decides. Outside, the ray misses.
+        // them, it is -infinity or NaN, which `max` ignores: the sphere decides. Outside, any s will do.
         let plane = -f64x8::ONE.copysign(fu);
         let slice_entry = (plane - f0) / fu;
         sphere_entry.max(slice_entry)
@@ -490,8 +490,7 @@ impl Torus {
 }
 
 /// Each ray's quartic G: a polynomial in s, which is 0 where the ray meets the surface, positive outside the
-/// donut, and negative inside. It is written as a square and a linear part, so that the search can leave out
-/// a square:
+/// donut, and negative inside. In this form, a tangent can stand for the square (see `first_hits`):
 /// ```text
 /// G(s) = (s^2 + p)^2 + 2 q s + c
 /// ```
@@ -504,8 +503,8 @@ struct Quartic {
 /// The s of a ray that misses the donut.
 const MISS: f64 = f64::INFINITY;
 
-/// A search for a hit ends with a step no longer than this, in units of R1. It is about the square root of
-/// f64's precision, so that w^2, which the step neglects (see `first_hits`), is about a rounding error.
+/// A step no longer than this, in units of R1, is the last one of a search. It is about the square root of
+/// f64's precision, so that the square that it neglects (see `first_hits`) is about a rounding error of G.
 const TOLERANCE: f64 = 1e-8;
 
 impl Quartic {
@@ -535,10 +534,10 @@ impl Quartic {
     /// The s of each ray's first hit, or `MISS`.
     ///
     /// All of the donut is in front of the viewer, so the first hit is the first root of G. The search starts
-    /// at `entry`, outside the donut or on it, and only steps to the right. At each s, a parabola (colons)
-    /// starts at the height of G (stars) and, from there on, is nowhere above G. The search steps to r, the
-    /// first root of the parabola right of s. Before r, the parabola is positive, and so is G; at r, G is 0
-    /// or more. So, except for rounding, no root is passed.
+    /// at `entry`, which no root precedes, and only steps to the right. At each s, a parabola (colons) starts
+    /// at the height of G (stars) and, from there on, is nowhere above G. The search steps to r, the first
+    /// root of the parabola right of s. Before r, both are positive: except for rounding, no root is passed,
+    /// and G is not negative at r.
     /// ```text
     ///  *                                                            G
     ///                        ************                          *
@@ -550,27 +549,28 @@ impl Quartic {
     ///                   :::::::::                    ***     **  ::::
     ///                            :::::::::::::::::::::::*****::::
     /// ```
-    /// For a step t >= 0 from s, let w = (s + t)^2 - s^2 = 2 s t + t^2, and base = s^2 + p:
+    /// For a step t >= 0 from s, let base = s^2 + p, and w = (s + t)^2 - s^2 = 2 s t + t^2:
     /// ```text
     /// G(s + t) = (base + w)^2 + 2 q (s + t) + c
-    ///          = g + 2 (2 base s + q) t + 2 base t^2 + w^2      where g = G(s)
-    ///         >= g - 2 fall t + 2 base t^2                      where fall = max(-2 base s - q, 0)
+    ///         >= base^2 + 2 base w + 2 q (s + t) + c       a square is nowhere below its tangents
+    ///          = g + 2 (2 base s + q) t + 2 base t^2       where g = G(s)
+    ///         >= g - 2 fall t + 2 base t^2                 where fall = max(-2 base s - q, 0)
     /// ```
-    /// The last line is the parabola. What it leaves out is never negative: w^2 and, where G rises, its
-    /// slope. (With the slope, the sum below would be a difference, and lose digits.) Divided by t^2, it is a
-    /// quadratic in 1/t, as g > 0. The first root right of s has the largest 1/t, which is
-    /// `(fall + sqrt(fall^2 - 2 base g)) / g`. If this is not a positive number, the parabola stays positive
-    /// right of s, and so does G: r is infinite, and the ray misses.
+    /// The last line is the parabola. If g > 0, division by t^2 makes it a quadratic in 1/t. The first root
+    /// right of s has the largest 1/t, which is `(fall + sqrt(fall^2 - 2 base g)) / g`. (Where G rises, its
+    /// slope is left out, because with it, this sum would be a difference, and lose digits.)
     ///
-    /// Otherwise, the search ends with a step t no longer than TOLERANCE. If G falls at s, G is w^2 at r,
-    /// about a rounding error; if not, fall is 0, and g = -2 base t^2 is as small: a graze. If g is 0, or
-    /// negative by rounding, r is not right of s, and the hit is at s. Every search ends: each step before
-    /// the last is longer than TOLERANCE, and far out, base is positive and fall is 0, so that r is infinite.
+    /// A search ends in one of four ways:
+    /// - g > 0, and this 1/t is 0 or NaN. So the parabola stays positive right of s, and so does G: r is
+    ///   infinite, and the ray misses. (From an infinite s, r is infinite or NaN, and no step follows.)
+    /// - g is 0, or negative by rounding: r is not right of s, and the hit is at s.
+    /// - t is at most TOLERANCE, and G falls at s: the hit is at r, where G is w^2, about a rounding error.
+    /// - t is at most TOLERANCE, and G does not fall: G has turned between 0 and g = -2 base t^2, a graze.
     ///
-    /// Where G falls, the parabola has its value and slope, so near a simple root, the steps shrink as fast
-    /// as those of Newton's method. Near a multiple root, there may be more than a thousand, and the hit may
-    /// be 0.01 short, as measured, which changes 8 L by less than 0.02. A graze, where G turns back within
-    /// rounding and TOLERANCE of 0, may or may not count as a hit.
+    /// One of these comes, as all other steps are longer, and far out, base is positive and fall is 0. Where
+    /// G falls, the parabola has its value and slope, so near a simple root, the search is as fast as
+    /// Newton's method. Near a multiple root, as measured, it may take more than a thousand steps, and stop
+    /// 0.01 short, with 8 L off by less than 0.02. A graze may or may not count as a hit.
     fn first_hits(&self, entry: f64x8) -> f64x8 {
         let &Quartic { p, q, c } = self;
         let mut s = entry;
@@ -977,20 +977,20 @@ fn turned([a, b]: [f64; 2], along: usize, angle: f64) -> [f64; 2] {
 // is to undo all this. crossterm knows whether raw mode is set, and so whether the program has entered.
 //
 // The main thread runs the loop, and only it enters and draws. A second thread reads the keys, and sends them
-// to the loop. A third, which ctrlc starts, wakes the loop after a signal.
+// to the loop. After a signal, ctrlc's thread (for Ctrl-C) or a fourth wakes the loop, and counts three
+// seconds. Whoever enters, leaves or draws holds the lock of standard output.
 //
 // What ends the program, and the exit status that a shell then reports:
 // - q, Esc or the last frame: the loop ends, and `run` leaves. 0.
 // - An error: the same, and `main` shows the message. 1.
-// - SIGINT (Ctrl-C), SIGTERM or SIGHUP: the same, and `run` ends the program by the signal. 130, 143 or 129.
-// - SIGQUIT (Ctrl-\): the same, but ctrlc does not know it, so a loop that sleeps wakes only after up to a
-//   second. 131.
+// - SIGINT (Ctrl-C), SIGTERM, SIGHUP or SIGQUIT (Ctrl-\): the same, and `run` ends the program by the signal.
+//   130, 143, 129 or 131. (On Windows, Ctrl-C is a key. 0.)
 // - The terminal is gone: by SIGHUP (129), or by an error within a second (1).
 // - A panic, in any thread: its hook leaves, and shows the message. 101.
 //
-// If the terminal takes no output, a thread may be stuck in a write. Ctrl-C and Ctrl-\ free it, because the
-// system then discards what the terminal has not taken. After another SIGINT, SIGTERM or SIGHUP, or a panic,
-// the program ends after three seconds, and restores only the settings. Another SIGQUIT waits.
+// If the terminal takes no output, a thread is stuck in a write. Ctrl-C and Ctrl-\ free it if the rest fits,
+// because the system then discards what the terminal has not taken. In any case, the program ends three
+// seconds after a signal or a panic, and restores only the settings. q has to wait.
 //
 // What stops the program, until the shell's `fg`:
 // - Ctrl-Z is a key. The loop leaves, stops the program, and enters again.
@@ -1002,17 +1002,18 @@ fn turned([a, b]: [f64; 2], along: usize, angle: f64) -> [f64; 2] {
 /// The number of SIGINT, the signal that Ctrl-C stands for. (signal-hook names it, too, but only on Unix.)
 const SIGINT: i32 = 2;
 
+const NO_THREAD: &str = "the system does not allow another thread";
+
 struct Terminal {
     /// With --frames, the alternate screen is not used, because the last frame has to stay.
     uses_alternate_screen: bool,
-    /// Keys and new sizes; or `None`, which only wakes the loop, after a signal. An error says that no more
-    /// keys can be read.
+    /// Keys and new sizes; or `None`, which only wakes the loop, after a signal. An error ends the loop.
     inbox: mpsc::Receiver<io::Result<Option<Event>>>,
     /// The first message starts the thread that reads the keys.
     start_reading: mpsc::Sender<()>,
     /// The number of the last signal that has asked the program to end, or 0.
     last_signal: Arc<AtomicUsize>,
-    /// Set by SIGCONT's handler: the program was stopped, and has been resumed.
+    /// Set by SIGCONT's handler: the program may have been stopped, and has been resumed.
     was_resumed: Arc<AtomicBool>,
 }
 
@@ -1029,38 +1030,40 @@ impl Terminal {
 
         let (sender, inbox) = mpsc::sync_channel(100);
         let (last_signal, was_resumed): (Arc<AtomicUsize>, Arc<AtomicBool>) = Default::default();
-        // ctrlc replaces the handlers that it finds, and signal-hook adds to them, so ctrlc comes first.
         let (to_loop, number) = (sender.clone(), last_signal.clone());
-        ctrlc::set_handler(move || {
-            // ctrlc's handler runs first, so the number may come a moment later. If none comes (on Windows,
-            // or before the handlers below are registered), the signal counts as SIGINT.
-            wait_until(|| number.load(SeqCst) > 0);
-            let _ = number.compare_exchange(0, SIGINT as usize, SeqCst, SeqCst);
+        let end_soon = move |signal: i32| {
+            number.store(signal as usize, SeqCst);
             let _ = to_loop.try_send(Ok(None)); // If the inbox is full, the loop is awake.
-            end_if_stuck(|| end_by(number.load(SeqCst) as i32))
-        })
-        .map_err(|_| io::Error::other("cannot start a thread that waits for signals"))?;
+            end_if_stuck(|| end_by(signal))
+        };
+        // ctrlc replaces a handler that it finds, and signal-hook adds to it, so ctrlc comes first.
+        let on_ctrl_c = end_soon.clone();
+        ctrlc::set_handler(move || on_ctrl_c(SIGINT)).map_err(|_| io::Error::other(NO_THREAD))?;
         #[cfg(unix)]
-        for number in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
-            flag::register_usize(number, last_signal.clone(), number as usize)?;
+        {
+            flag::register(SIGCONT, was_resumed.clone())?;
+            // The handlers store the number, too: a program that a shell's `kill` resumes in the background
+            // must not stop again before it ends.
+            for number in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
+                flag::register_usize(number, last_signal.clone(), number as usize)?;
+            }
+            let mut signals = Signals::new([SIGHUP, SIGQUIT, SIGTERM])?;
+            let waiter = thread::Builder::new().spawn(move || signals.forever().for_each(end_soon));
+            waiter.map_err(|_| io::Error::other(NO_THREAD))?;
         }
-        #[cfg(unix)]
-        flag::register(SIGCONT, was_resumed.clone())?;
 
-        // A thread, because even `event::poll` waits for the end of an escape code that has begun. It waits
-        // for `enter`, because reading in the background would stop the program.
+        // A thread, because even `event::poll` waits for the end of an escape code that has begun. The thread
+        // waits for `enter`, because reading in the background would stop the program.
         let (start_reading, start) = mpsc::channel();
         let reader = thread::Builder::new().name("keys".into()).spawn(move || {
             let _ = start.recv();
             while sender.send(event::read().map(Some)).is_ok() {}
         });
-        reader.map_err(|_| io::Error::other("cannot start a thread that reads keys"))?;
-        // A shell starts `(donut &)`, with /dev/null as input, as if in the foreground, and takes the
-        // terminal back a moment later. If the program had entered by then, the shell would take raw mode for
-        // the user's own settings.
-        if !io::stdin().is_terminal() {
-            thread::sleep(Duration::from_millis(50));
-        }
+        reader.map_err(|_| io::Error::other(NO_THREAD))?;
+        // `(donut &)` starts in the foreground, with /dev/null as input, and a moment later, the shell takes
+        // the terminal back. If the program had entered by then, the shell would take raw mode for the user's
+        // own settings.
+        thread::sleep(Duration::from_millis(if io::stdin().is_terminal() { 0 } else { 50 }));
         Ok(Terminal { uses_alternate_screen, inbox, start_reading, last_signal, was_resumed })
     }
 
@@ -1070,8 +1073,7 @@ impl Terminal {
     }
 
     /// Waits for an event, but no longer than `timeout`, and returns all that have come. At least once a
-    /// second, the loop has to look whether the terminal is gone, and for SIGQUIT and SIGCONT, which do not
-    /// wake it.
+    /// second, the loop has to look whether the terminal is gone, and for SIGCONT, which does not wake it.
     fn events(&self, timeout: Duration) -> impl Iterator<Item = io::Result<Option<Event>>> {
         let first = self.inbox.recv_timeout(timeout.min(Duration::from_secs(1)));
         first.into_iter().chain(self.inbox.try_iter())
@@ -1096,8 +1098,8 @@ impl Terminal {
 
     /// In the background, stops the program until the shell's `fg`, or until a signal asks it to end.
     ///
-    /// There, the settings are the shell's. The system stops a program that changes them, but by then,
-    /// crossterm would have saved them as those to restore.
+    /// In the background, the settings are the shell's. The system stops a program that changes them, but
+    /// only after crossterm has saved them as those to restore.
     #[cfg(unix)]
     fn wait_for_foreground(&self) -> io::Result<()> {
         while is_in_background() && self.end_signal().is_none() {
@@ -1126,8 +1128,7 @@ impl Terminal {
             }
             term::disable_raw_mode()?;
         }
-        term::enable_raw_mode()
-            .map_err(|error| io::Error::other(format!("cannot read keys: {error}")))?;
+        term::enable_raw_mode().map_err(|_| io::Error::other("no terminal to read keys from"))?;
         #[cfg(unix)]
         Terminal::adjust_settings()?;
         let _ = self.start_reading.send(());
@@ -1179,20 +1180,16 @@ impl Terminal {
         self.was_resumed.store(false, SeqCst);
         let _ = kill_current_process_group(signal);
         // Not every system stops the program before the line above returns.
-        wait_until(|| self.was_resumed.load(SeqCst))
+        (0..100).any(|_| {
+            thread::sleep(Duration::from_millis(1));
+            self.was_resumed.load(SeqCst)
+        })
     }
-}
-
-/// Waits until something is true, up to a tenth of a second, and says whether it is.
-fn wait_until(is_true: impl Fn() -> bool) -> bool {
-    (0..100).any(|_| {
-        thread::sleep(Duration::from_millis(1));
-        is_true()
-    })
 }
 
 /// Leaves the terminal, if the program has entered it.
 fn leave(uses_alternate_screen: bool) -> io::Result<()> {
+    let mut stdout = io::stdout().lock();
     if !term::is_raw_mode_enabled()? {
         return Ok(());
     }
@@ -1208,7 +1205,7 @@ fn leave(uses_alternate_screen: bool) -> io::Result<()> {
         queue!(bytes, term::LeaveAlternateScreen)?;
     }
     queue!(bytes, cursor::Show)?;
-    let written = io::stdout().write_all(&bytes).and_then(|()| io::stdout().flush());
+    let written = stdout.write_all(&bytes).and_then(|()| stdout.flush());
     restore_settings().and(written)
 }
 
