@@ -870,7 +870,7 @@ fn run(options: &Options) -> io::Result<()> {
 /// donut.c's `for (;;)`. Each iteration sleeps until the next frame is due, and then draws it. On a terminal,
 /// a key, a new size or a signal ends the sleep, and the current frame may have to be drawn again.
 fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
-    // If --fps is tiny, a Duration cannot hold so many seconds. 1e9 of them, nearly 32 years, will do.
+    // 0 means no limit. If --fps is tiny, a Duration cannot hold the seconds. 1e9, nearly 32 years, will do.
     let seconds = if options.fps > 0.0 { f64::min(1.0 / options.fps, 1e9) } else { 0.0 };
     let interval = Duration::from_secs_f64(seconds);
     // On a terminal, the first iteration asks for the window.
@@ -976,28 +976,33 @@ fn turned([a, b]: [f64; 2], along: usize, angle: f64) -> [f64; 2] {
 // echoed; the alternate screen, a second screen for programs that fill it; and a hidden cursor. To *leave* it
 // is to undo all this. crossterm knows whether raw mode is set, and so whether the program has entered.
 //
-// The main thread runs the loop, and only it enters and draws. A second thread reads the keys, and sends them
-// to the loop. After a signal, ctrlc's thread (for Ctrl-C) or a fourth wakes the loop, and counts three
-// seconds. Whoever enters, leaves or draws holds the lock of standard output.
+// These threads are there:
+// - The main thread runs the loop, which enters and draws.
+// - One reads the keys, and sends them to the loop.
+// - Two wait for signals: ctrlc's for SIGINT, and another one for SIGTERM, SIGHUP and SIGQUIT. They wake the
+//   loop, and if the program has not ended after three seconds, they end it.
+// - After a panic, one more waits for three seconds.
+//
+// Entering, leaving and drawing hold the lock of standard output. What happens after three seconds does
+// without: it restores only the settings.
 //
 // What ends the program, and the exit status that a shell then reports:
 // - q, Esc or the last frame: the loop ends, and `run` leaves. 0.
 // - An error: the same, and `main` shows the message. 1.
 // - SIGINT (Ctrl-C), SIGTERM, SIGHUP or SIGQUIT (Ctrl-\): the same, and `run` ends the program by the signal.
 //   130, 143, 129 or 131. (On Windows, Ctrl-C is a key. 0.)
-// - The terminal is gone: by SIGHUP (129), or by an error within a second (1).
+// - The terminal is gone: by SIGHUP (129); or the loop finds out within a second, and ends with an error (1).
 // - A panic, in any thread: its hook leaves, and shows the message. 101.
-//
-// If the terminal takes no output, a thread is stuck in a write. Ctrl-C and Ctrl-\ free it if the rest fits,
-// because the system then discards what the terminal has not taken. In any case, the program ends three
-// seconds after a signal or a panic, and restores only the settings. q has to wait.
+// - A terminal that takes no output, with the loop stuck in a write: q has to wait. After a signal or a
+//   panic, the three seconds pass, with no message. But Ctrl-C and Ctrl-\ free the loop if the rest of the
+//   frame fits, because the system then discards what the terminal has not taken.
 //
 // What stops the program, until the shell's `fg`:
 // - Ctrl-Z is a key. The loop leaves, stops the program, and enters again.
 // - SIGSTOP and SIGTSTP stop the program as it is. When it is resumed in the foreground, the loop leaves and
 //   enters again.
-// - In the background, the loop stops the program before it enters or draws. Where no shell could resume it,
-//   it ends with an error.
+// - In the background, the loop stops the program before the next frame. Where no shell could resume it, it
+//   ends with an error.
 
 /// The number of SIGINT, the signal that Ctrl-C stands for. (signal-hook names it, too, but only on Unix.)
 const SIGINT: i32 = 2;
@@ -1021,8 +1026,9 @@ impl Terminal {
     fn new(uses_alternate_screen: bool) -> io::Result<Terminal> {
         let previous_hook = panic::take_hook();
         panic::set_hook(Box::new(move |info| {
-            let _ = thread::Builder::new().spawn(|| end_if_stuck(|| process::exit(101)));
-            let _stdout = io::stdout().lock(); // The loop must neither enter nor draw any more.
+            let _ = thread::Builder::new().spawn(|| end_in_three_seconds(|| process::exit(101)));
+            // If the loop is stuck in a write, it does not give this lock. Otherwise, it stops here.
+            let _stdout = io::stdout().lock();
             let _ = leave(uses_alternate_screen);
             previous_hook(info);
             process::exit(101) // By itself, a panic ends the program only in the main thread.
@@ -1034,7 +1040,7 @@ impl Terminal {
         let end_soon = move |signal: i32| {
             number.store(signal as usize, SeqCst);
             let _ = to_loop.try_send(Ok(None)); // If the inbox is full, the loop is awake.
-            end_if_stuck(|| end_by(signal))
+            end_in_three_seconds(|| end_by(signal))
         };
         // ctrlc replaces a handler that it finds, and signal-hook adds to it, so ctrlc comes first.
         let on_ctrl_c = end_soon.clone();
@@ -1042,8 +1048,8 @@ impl Terminal {
         #[cfg(unix)]
         {
             flag::register(SIGCONT, was_resumed.clone())?;
-            // The handlers store the number, too: a program that a shell's `kill` resumes in the background
-            // must not stop again before it ends.
+            // The handlers store the number before the threads wake: a program that a shell's `kill` resumes
+            // in the background must not stop again.
             for number in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
                 flag::register_usize(number, last_signal.clone(), number as usize)?;
             }
@@ -1087,7 +1093,7 @@ impl Terminal {
             .map(|size| (size.ws_col, size.ws_row, (size.ws_xpixel, size.ws_ypixel)))?;
         #[cfg(windows)]
         let ((columns, rows), pixels) = (term::size()?, (0, 0));
-        // Standard input may be another terminal. If that is gone, crossterm looks for keys for ever.
+        // Standard input may be another terminal. If that is gone, crossterm reads nothing for ever.
         #[cfg(unix)]
         if let Err(error @ Errno::IO) = termios::tcgetwinsize(stdio::stdin()) {
             return Err(error.into());
@@ -1209,9 +1215,9 @@ fn leave(uses_alternate_screen: bool) -> io::Result<()> {
     restore_settings().and(written)
 }
 
-/// Ends the program if that has not happened after three seconds, because a thread is stuck in a write. The
-/// terminal takes no output then, so only its settings are restored.
-fn end_if_stuck(end: impl FnOnce()) {
+/// Ends the program if that has not happened by then, because the loop is stuck in a write. The terminal
+/// takes no output, so only its settings are restored.
+fn end_in_three_seconds(end: impl FnOnce()) {
     thread::sleep(Duration::from_secs(3));
     let _ = restore_settings();
     end()

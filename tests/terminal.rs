@@ -9,8 +9,9 @@
 mod program;
 mod pty;
 
+use std::env::consts::ARCH;
 use std::fmt::Debug;
-use std::fs::read_to_string;
+use std::fs::{read_dir, read_to_string};
 use std::io::Write;
 use std::process::{Command, Stdio};
 use std::thread::{Builder, scope, sleep};
@@ -44,8 +45,10 @@ fn run_unread(options: &str, size: (u16, u16)) -> Pty {
     Pty::run_unread(DONUT, &options.split_whitespace().collect::<Vec<_>>(), size)
 }
 
-/// A command line, with the program's path in place of DONUT, and that of a still donut in place of STILL.
+/// A command line, with the program's path in place of DONUT, a still donut in place of STILL, and one
+/// that draws a single frame in place of ONCE.
 fn command(line: &str) -> String {
+    let line = line.replace("ONCE", &format!("STILL {ONE_FRAME}"));
     line.replace("STILL", &format!("DONUT {STILL}")).replace("DONUT", &format!("\"{DONUT}\""))
 }
 
@@ -110,8 +113,8 @@ fn flat(lines: &[String]) -> Vec<String> {
     lines.iter().map(|line| line.replace(|cell| cell != ' ', ".")).collect()
 }
 
-/// A picture as the terminal gets it, in place of which a pipe gets `pipes_picture`: each newline becomes a
-/// carriage return and a newline, and the blanks at the end of a row become `ESC [ K`.
+/// A picture as the terminal gets it where a pipe gets `pipes_picture`: each newline becomes a carriage
+/// return and a newline, and the blanks at the end of a row become `ESC [ K`.
 fn on_a_terminal(pipes_picture: &str) -> String {
     let rows = pipes_picture.split('\n').map(|row| {
         let (cells, reset) = row.split_at(row.find("\x1b[0m").unwrap_or(row.len()));
@@ -124,6 +127,12 @@ fn on_a_terminal(pipes_picture: &str) -> String {
 /// What donut writes with these options if there is no terminal.
 fn in_a_pipe(options: &str) -> String {
     Program::start(DONUT, &format!("{options} --fps=0"), Stdio::piped()).output().1
+}
+
+/// The numbers of the program's threads.
+fn thread_ids(pty: &Pty) -> Vec<String> {
+    let threads = read_dir(format!("/proc/{}/task", pty.pid())).unwrap();
+    threads.map(|thread| thread.unwrap().file_name().into_string().unwrap()).collect()
 }
 
 fn frame_count(pty: &Pty) -> usize {
@@ -197,6 +206,43 @@ fn the_picture_fits_the_screen_at_every_size() {
 }
 
 #[test]
+fn the_picture_is_donut_cs_in_80x24_and_where_its_size_is_given_and_its_24_rows_fit() {
+    let given = "--width=80 --height=22";
+    // In a pipe, 80x22 is donut.c's picture. With this aspect it is not, but it looks as with 2.
+    let whole = "--aspect=2.000001";
+    // A terminal, and donut's options there. What it shows is a picture of this size, with this option.
+    // 80x23 is what tmux leaves of 80x24 if it shows its status line.
+    let cases = [
+        (SIZE, "", (80, 22), ""),
+        ((81, 24), "", (81, 23), ""),
+        ((80, 25), "", (80, 24), ""),
+        ((80, 23), "", (80, 22), whole),
+        ((79, 24), "", (79, 23), ""),
+        (SIZE, given, (80, 22), ""),
+        ((81, 24), given, (80, 22), ""),
+        ((80, 25), given, (80, 22), ""),
+        ((80, 23), given, (80, 22), whole),
+        ((79, 24), given, (79, 22), ""),
+        (SIZE, "--height=30", (80, 23), ""),
+        (SIZE, whole, (80, 22), whole),
+    ];
+    let sizes = cases.map(|(size, ..)| size);
+    side_by_side(&cases, |&(size, options, picture_size, option)| {
+        let picture = last_picture(option, picture_size, size.1);
+        let pty = run_donut(&format!("{STILL} {options}"), size);
+        pty.wait_for("the picture", |pty| pty.lines() == picture);
+        // The same, whatever the size was before.
+        for before in sizes {
+            pty.resize(before);
+            wait_for_more_frames(&pty, 1);
+            pty.resize(size);
+            pty.wait_for("the picture again", |pty| pty.lines() == picture);
+        }
+        assert_quits(&pty);
+    });
+}
+
+#[test]
 fn every_frame_is_a_synchronized_update_and_lacks_only_the_blanks_at_the_ends_of_rows() {
     let cases = [("", SIZE), ("--color=red", SIZE), ("--width=100 --height=29", (100, 30))];
     side_by_side(&cases, |&(options, size)| {
@@ -249,6 +295,22 @@ fn a_storm_of_resizes_ends_with_the_picture_of_the_last_size() {
     }
     wait_for_picture(&pty, (100, 30));
     assert!(pty.screen(|screen| (0..30).all(|row| !screen.row_wrapped(row))));
+    assert_quits(&pty);
+}
+
+#[test]
+fn a_resize_draws_what_a_fresh_start_draws_down_to_one_cell() {
+    let pty = run_donut(STILL, SIZE);
+    wait_for_picture(&pty, SIZE);
+    for rows in 1..=6 {
+        for step in 1..=12 {
+            // There and back, so that each time, only the columns or only the rows change.
+            let columns = if rows % 2 == 1 { step } else { 13 - step };
+            pty.resize((columns, rows));
+            wait_for_more_frames(&pty, 1);
+            wait_for_picture(&pty, (columns, rows));
+        }
+    }
     assert_quits(&pty);
 }
 
@@ -321,13 +383,19 @@ fn a_size_that_is_given_stays_and_is_clipped_to_the_screen() {
 }
 
 #[test]
-fn with_frames_the_last_picture_stays_in_place() {
-    let pty = run_donut(&format!("{STILL} --frames=5"), SIZE);
-    pty.assert_ends(0);
-    assert!(!pty.written().contains("\x1b[?1049h"));
-    assert_eq!(pty.lines(), picture(SIZE));
-    // The shell's prompt comes below the picture.
-    assert_eq!(pty.screen(vt100::Screen::cursor_position), (23, 0));
+fn with_frames_nothing_is_lost_and_the_prompt_comes_below_the_last_picture() {
+    let cases = [(SIZE, 3), (SIZE, 23), (SIZE, 50), ((100, 30), 3), ((100, 30), 50), ((9, 2), 5)];
+    side_by_side(&cases, |&(size, line_count)| {
+        let line = format!("seq {line_count}; printf last; STILL --frames=5; printf prompt");
+        let pty = Pty::run("sh", &["-c", &command(&line)], size);
+        pty.assert_ends(0);
+        assert!(!pty.written().contains("\x1b[?1049h"));
+        let mut screen = picture(size);
+        *screen.last_mut().unwrap() = "prompt".into();
+        assert_eq!(pty.lines(), screen);
+        let lines = (1..=line_count).map(|number| number.to_string()).chain(["last".to_string()]);
+        assert_eq!(pty.scrollback(), lines.collect::<Vec<_>>());
+    });
 }
 
 // ---- Keys ----------------------------------------------------------------------------------------
@@ -346,19 +414,24 @@ fn each_key_that_quits_restores_the_terminal() {
     });
 }
 
+/// A donut that has been paused with this key.
+fn paused_donut(key: &str) -> Pty {
+    let pty = run_donut("", SIZE);
+    wait_for_first_frame(&pty);
+    // The keys are obeyed in this order, so once a whole frame is without shading, donut has paused.
+    pty.type_bytes(format!("{key}s").as_bytes());
+    pty.wait_for("dots", |pty| {
+        let lines = pty.lines();
+        let is_flat = lines.concat().contains('.') && lines == flat(&lines);
+        is_flat && pty.written().ends_with(END_OF_FRAME)
+    });
+    pty
+}
+
 #[test]
 fn space_and_p_pause_and_resume() {
     side_by_side(&["p", "P", " "], |key| {
-        let pty = run_donut("", SIZE);
-        wait_for_first_frame(&pty);
-        // The keys are obeyed in this order, so once a whole frame is without shading, donut has paused.
-        pty.type_bytes(format!("{key}s").as_bytes());
-        pty.wait_for("dots", |pty| {
-            let lines = pty.lines();
-            lines.concat().contains('.')
-                && lines == flat(&lines)
-                && pty.written().ends_with(END_OF_FRAME)
-        });
+        let pty = paused_donut(key);
         let paused = frame_count(&pty);
         sleep(Duration::from_millis(1500)); // Once a second, the loop wakes up.
         assert_eq!(frame_count(&pty), paused);
@@ -384,10 +457,18 @@ fn other_keys_do_nothing_and_are_not_echoed() {
     assert_quits(&pty);
 }
 
-/// The angles A and B of the donut after a turn by a tenth of a radian, which moves the near side the way that
-/// an arrow key points.
+/// Types keys, among them arrow keys.
+fn type_arrows(pty: &Pty, keys: &str) {
+    // In some terminals, the mouse wheel sends arrow keys, too.
+    let codes = [("↑", "\x1b[A"), ("↓", "\x1b[1;2B"), ("→", "\x1b[C"), ("←", "\x1bOD")];
+    let bytes = codes.iter().fold(keys.to_string(), |keys, (key, code)| keys.replace(key, code));
+    pty.type_bytes(bytes.as_bytes());
+}
+
+/// The angles A and B of the donut after a turn by a tenth of a radian, which moves the near side the
+/// way that an arrow key points.
 fn turned([a, b]: [f64; 2], arrow: char) -> [f64; 2] {
-    // The donut's axis: x points to the right, y down, and z away from the viewer, so that what is nearest has
+    // The donut's axis. x points to the right, y down, and z away from the viewer, so the near side has
     // a negative z.
     let (x, y, z) = (a.sin() * b.sin(), -a.sin() * b.cos(), a.cos());
     let (sin, cos) = 0.1_f64.sin_cos();
@@ -403,7 +484,7 @@ fn turned([a, b]: [f64; 2], arrow: char) -> [f64; 2] {
 
 #[test]
 fn the_arrow_keys_turn_the_near_side_the_way_they_point_even_while_it_is_paused() {
-    // In the first two, classic draws, which rounds the angles, so they are those that `turned` returns. The
+    // In the first two, classic draws. It rounds the angles, so these are such as `turned` returns. The
     // others have whole turns more or less; in the last, the axis points at the viewer.
     let poses = [
         (SIZE, [1.0, 0.5]),
@@ -415,8 +496,6 @@ fn the_arrow_keys_turn_the_near_side_the_way_they_point_even_while_it_is_paused(
         ((100, 30), [-1.0, -500.0]),
         ((100, 30), [0.0, 0.0]),
     ];
-    // The wheel sends arrow keys, too, in some terminals.
-    let codes = [("↑", "\x1b[A"), ("↓", "\x1b[1;2B"), ("→", "\x1b[C"), ("←", "\x1bOD")];
     side_by_side(&poses, |&(size, [a, b])| {
         let picture = |[a, b]: [f64; 2]| picture_with(&format!("-A={a} -B={b}"), size);
         let pty = run_donut(&format!("-A={a} -B={b} {ONE_FRAME}"), size);
@@ -425,12 +504,95 @@ fn the_arrow_keys_turn_the_near_side_the_way_they_point_even_while_it_is_paused(
         for keys in ["p↑", "→", "→p", "←←←", "↓↓↓↓↓↓", "↑↑↑↑", "→→→→", "↓↓↓↓", "←←←←"]
         {
             pose = keys.chars().fold(pose, turned);
-            let bytes =
-                codes.iter().fold(keys.to_string(), |keys, (key, code)| keys.replace(key, code));
-            pty.type_bytes(bytes.as_bytes());
+            type_arrows(&pty, keys);
             let turned = picture(pose);
             pty.wait_for(keys, |pty| pty.lines() == turned);
         }
+        assert_quits(&pty);
+    });
+}
+
+/// When what faces the viewer goes up, what is at the bottom comes nearer.
+#[test]
+fn the_half_that_an_arrow_key_points_away_from_comes_nearer_and_looks_larger() {
+    side_by_side(&["↑", "↓", "←", "→"], |&arrow| {
+        let is_near = |row, column| match arrow {
+            "↑" => row >= 15,
+            "↓" => row < 15,
+            "←" => column >= 50,
+            _ => column < 50,
+        };
+        // The viewer looks straight through the hole.
+        let pty = run_donut(&format!("--spin=0,0 {ONE_FRAME}"), (100, 31));
+        wait_for_first_frame(&pty);
+        type_arrows(&pty, &arrow.repeat(6));
+        pty.wait_for("a larger half", |pty| {
+            let lines = pty.lines();
+            let cells = lines.iter().enumerate().flat_map(|(row, line)| {
+                let cells = line.bytes().enumerate().filter(|&(_, cell)| cell != b' ');
+                cells.map(move |(column, _)| (row, column))
+            });
+            let (near, far): (Vec<_>, Vec<_>) = cells.partition(|cell| is_near(cell.0, cell.1));
+            2 * near.len() > 3 * far.len()
+        });
+    });
+}
+
+#[test]
+fn m_changes_the_method_and_a_new_size_keeps_it() {
+    let pty = run_donut(&format!("{STILL} {ONE_FRAME}"), SIZE);
+    // Before the first m, the method depends on the size.
+    for (key, size, method) in [
+        ("", SIZE, "classic"),
+        ("", (100, 30), "exact"),
+        ("m", (100, 30), "classic"),
+        ("", (90, 30), "classic"),
+        ("", SIZE, "classic"),
+        ("m", SIZE, "exact"),
+        ("", (100, 30), "exact"),
+        ("", SIZE, "exact"),
+        ("M", SIZE, "classic"),
+    ] {
+        pty.resize(size);
+        pty.type_bytes(key.as_bytes());
+        let picture = picture_with(&format!("--method={method}"), size);
+        pty.wait_for(method, |pty| pty.lines() == picture);
+    }
+    assert_quits(&pty);
+}
+
+#[test]
+fn m_does_nothing_where_classic_is_refused() {
+    side_by_side(&[("--r2=3", SIZE), ("--k2=6", (100, 30))], |&(option, size)| {
+        let pty = run_donut(&format!("{STILL} {ONE_FRAME} {option}"), size);
+        let picture = picture_with(option, size);
+        // Once the s has been obeyed, so has the m.
+        for (keys, picture) in [("", &picture), ("ms", &flat(&picture)), ("s", &picture)] {
+            pty.type_bytes(keys.as_bytes());
+            pty.wait_for(keys, |pty| pty.lines() == *picture);
+        }
+        assert_quits(&pty);
+    });
+}
+
+#[test]
+fn of_a_key_and_a_new_size_at_once_neither_is_lost() {
+    let flat_picture = flat(&picture((90, 30)));
+    side_by_side(&["s", "size"].repeat(4), |&first| {
+        let pty = run_unread(STILL, SIZE);
+        // The loop is stuck in a write until both have come.
+        pty.wait_until_full();
+        let press_s = || pty.type_bytes(b"s");
+        if first == "s" {
+            press_s();
+        }
+        pty.resize((90, 30));
+        if first == "size" {
+            press_s();
+        }
+        sleep(Duration::from_millis(200));
+        pty.start_reading(1 << 16, Duration::ZERO);
+        pty.wait_for("the new size without shading", |pty| pty.lines() == flat_picture);
         assert_quits(&pty);
     });
 }
@@ -507,9 +669,8 @@ fn in_tmux_a_new_size_leaves_no_rows_in_the_shells_screen() {
 
 #[test]
 fn a_signal_ends_donut_however_early_it_comes() {
-    let delays = (0..40).map(|n| Duration::from_micros(150 * n));
-    let cases: Vec<_> = delays.flat_map(|delay| SIGNALS.map(|end| (delay, end))).collect();
-    side_by_side(&cases, |&(delay, (signal, code))| {
+    let cases = (0..100).map(|n| (Duration::from_micros(60 * n), SIGNALS[n as usize % 4]));
+    side_by_side(&cases.collect::<Vec<_>>(), |&(delay, (signal, code))| {
         let pty = run_donut("", SIZE);
         sleep(delay);
         pty.signal(signal);
@@ -518,8 +679,37 @@ fn a_signal_ends_donut_however_early_it_comes() {
     });
 }
 
+/// The system may choose any thread of a program for a signal.
+#[test]
+fn a_signal_to_the_thread_of_the_keys_ends_donut_by_that_signal() {
+    // Perl can send a signal to a thread, if it is told the number of the system call tgkill.
+    let tgkill = match ARCH {
+        "x86_64" => 234,
+        "aarch64" | "riscv64" => 131,
+        _ => return,
+    };
+    if !is_possible("perl -e 1 && taskset -c 0 true") {
+        return;
+    }
+    side_by_side(&SIGNALS.repeat(8), |&(signal, code)| {
+        // On one processor, a thread that waits for signals is more likely to run before their handlers end.
+        let pty = run_in_sh("exec taskset -c 0 DONUT");
+        wait_for_first_frame(&pty);
+        let is_keys = |thread: &String| {
+            read_to_string(format!("/proc/{}/task/{thread}/comm", pty.pid())).unwrap() == "keys\n"
+        };
+        let thread = thread_ids(&pty).into_iter().find(is_keys).unwrap();
+        let call = format!("{tgkill}, {}, {thread}, {}", pty.pid(), signal.as_raw());
+        assert!(is_possible(&format!("perl -e 'syscall({call}) == 0 or die $!'")));
+        pty.assert_ends(code);
+    });
+}
+
 #[test]
 fn in_a_pipe_even_a_full_one_signals_have_their_default_action() {
+    if !is_possible("command -v mkfifo") {
+        return;
+    }
     side_by_side(&SIGNALS, |&(signal, code)| {
         let make_pipe = "pipe=$(mktemp -u); mkfifo $pipe; exec 3<>$pipe; rm $pipe";
         let pty = run_in_sh(&format!("{make_pipe}; exec DONUT --fps=0 >&3"));
@@ -563,6 +753,20 @@ fn donut_ends_when_the_terminal_goes_even_without_sighup() {
         // The donut may notice by itself a moment before the signal comes.
         let code = pty.wait_for_exit();
         assert!(code == 1 || code == 129 && line.starts_with("exec"), "{code}");
+    });
+}
+
+#[test]
+fn donut_ends_with_an_error_when_another_terminal_that_is_its_standard_input_goes() {
+    let cases = [("DONUT", ""), ("DONUT --fps=0", ""), ("DONUT", "p")];
+    side_by_side(&cases, |&(line, key)| {
+        let mut input = Pty::run_unread("sleep", &["60"], SIZE);
+        let pty = run_in_sh(&format!("exec {line} < {}", input.path()));
+        wait_for_first_frame(&pty);
+        input.type_bytes(key.as_bytes());
+        input.hang_up();
+        pty.assert_ends(1);
+        assert!(pty.lines()[0].starts_with("donut: "), "{:?}", pty.lines());
     });
 }
 
@@ -632,7 +836,7 @@ fn donut_goes_on_after_a_terminal_was_stuck() {
     assert_quits(&pty);
 }
 
-/// Programs share their standard output, and whether that is nonblocking, with those before and after them.
+/// A program shares its output, and whether that is nonblocking, with those before and after it.
 #[test]
 fn donut_waits_for_a_slow_terminal_even_if_it_is_nonblocking() {
     if !is_possible("dd oflag=nonblock count=0 < /dev/null") {
@@ -691,6 +895,9 @@ fn step(pty: &Pty, step: &str) {
             pty.resize((60, 20));
             wait_for_picture(pty, (60, 20));
         }
+        "drawn" => {
+            pty.wait_for("the frame's end", |pty| pty.written().ends_with(END_OF_FRAME));
+        }
         "entered-again" => pty
             .wait_for("entering again", |pty| enter_count(pty) == 2 && pty.has_changed_settings()),
         "stopped" => pty.wait_for("the stop", Pty::is_stopped),
@@ -741,6 +948,9 @@ fn step(pty: &Pty, step: &str) {
         "message" => {
             assert!(pty.lines()[0].starts_with("donut: "), "{:?}", pty.lines());
             assert!(!pty.written().contains('\x1b'));
+        }
+        "error" => {
+            pty.wait_for("an error", |pty| pty.lines().iter().any(|line| line.contains("donut: ")))
         }
         "cursor" => {
             assert_eq!(pty.lines()[..3], ["one", "two", ""]);
@@ -851,6 +1061,10 @@ fn donut_is_well_behaved_without_job_control() {
         - | stty -isig; exec STILL       | picture ^Z entered-again frames ^C exit=130
         - | stty -opost -onlcr; STILL; stty -a | grep -qe '-opost .* -onlcr' | picture q exit=0
 
+        # Scroll margins, and an origin at the upper one, that another program has left.
+        - | printf '\\033[5;10r\\033[?6h'; exec STILL | picture resize q restored=0
+        - | printf '\\033[5;10r\\033[?6h'; exec STILL --frames=1000000 | picture resize q restored=0
+
         # Where only one cursor can be saved, the shell's comes back.
         - | printf 'one\\ntwo\\n'; exec STILL | picture ^Z entered-again picture q restored=0 cursor
         ",
@@ -897,12 +1111,15 @@ fn jobs_give_the_terminal_back_and_take_it_again() {
         bash      | STILL | picture STOP stopped bg fg entered-again picture q code=0 shell prompt
         bash      | STILL | picture STOP stopped kill end says=Terminated shell prompt
         bash      | STILL | picture TSTP stopped bg kill end says=Terminated shell prompt
-        bash      | STILL | picture STOP stopped less fg entered-again picture q code=0 kept
-        bash      | STILL | picture STOP stopped less bg kill end says=Terminated kept
 
-        # No shell can bring these to the foreground. They end with a message, or because no key can be read.
-        bash dash | (STILL &)                 | says=donut: shell
-        bash dash | bash -c 'STILL & sleep 1' | says=donut: shell
+        # Where STOP cuts a frame off, its rest is drawn after fg, here on the shell's screen. So these
+        # draw only one frame, and are stopped after it.
+        bash | ONCE | picture drawn STOP stopped less fg entered-again picture q code=0 kept
+        bash | ONCE | picture drawn STOP stopped less bg kill end says=Terminated kept
+
+        # No shell can bring these to the foreground.
+        bash dash | (STILL &)                 | error shell
+        bash dash | bash -c 'STILL & sleep 1' | error shell
 
         # This signal is how timeout learns that the time is over.
         bash | timeout 100 STILL | picture ALRM code=124
@@ -948,6 +1165,25 @@ fn a_signal_that_comes_with_a_ctrl_z_ends_the_donut() {
         }
     }
     panic!("Ctrl-Z has stopped it each time");
+}
+
+#[test]
+fn a_paused_donut_wakes_up_once_a_second() {
+    let pty = paused_donut("p");
+    // How often its threads have gone to sleep, to wait for something.
+    let sleep_count = || -> usize {
+        let counts = thread_ids(&pty).into_iter().map(|thread| {
+            let path = format!("/proc/{}/task/{thread}/status", pty.pid());
+            let status = read_to_string(path).unwrap();
+            let (_, count) = status.split_once("\nvoluntary_ctxt_switches:\t").unwrap();
+            count.lines().next().unwrap().parse::<usize>().unwrap()
+        });
+        counts.sum()
+    };
+    let before = sleep_count();
+    sleep(Duration::from_secs(3));
+    let count = sleep_count() - before;
+    assert!((2..10).contains(&count), "{count}");
 }
 
 #[test]

@@ -28,29 +28,41 @@ pub struct Pty {
     settings: String,
 }
 
-/// A terminal that, like Vim's, has room for one saved cursor: each `ESC[?1049h` overwrites it. vt100 saves
-/// one for each screen, and does not know code 1047, which switches screens without saving a cursor.
+/// A terminal that, like Vim's, has room for one saved cursor: each `ESC[?1049h` overwrites it. And as in
+/// xterm, both screens have the same scroll margins. vt100 has a saved cursor and margins for each
+/// screen, and does not know code 1047, which switches screens without saving a cursor.
 struct Seen {
     terminal: Parser,
     saved_cursor: (u16, u16),
+    /// The code that has set the scroll margins.
+    margins: Vec<u8>,
     bytes: Vec<u8>,
 }
 
 impl Seen {
     fn add(&mut self, bytes: &[u8]) {
         assert!(self.bytes.len() < 50_000_000, "the program does not stop writing");
-        // A code that ends in h or l is taken apart, to know the cursor before it takes effect.
-        for part in bytes.split_inclusive(|&byte| byte == b'h' || byte == b'l') {
+        // A code that ends in h or l is taken apart, to know the cursor before it takes effect. One that
+        // ends in r may set the margins.
+        for part in bytes.split_inclusive(|byte| b"hlr".contains(byte)) {
             let (last, start) = part.split_last().unwrap();
             self.terminal.process(start);
             let cursor = self.terminal.screen().cursor_position();
             self.terminal.process(&[*last]);
             self.bytes.extend_from_slice(part);
-            if self.bytes.ends_with(b"\x1b[?1049h") {
+            if *last == b'r'
+                && let Some(start) = self.bytes.iter().rposition(|&byte| byte == b'\x1b')
+                && let [b'[', numbers @ .., _] = &self.bytes[start + 1..]
+                && numbers.iter().all(|byte| b"0123456789;".contains(byte))
+            {
+                self.margins = self.bytes[start..].to_vec();
+            } else if self.bytes.ends_with(b"\x1b[?1049h") {
                 self.saved_cursor = cursor;
+                self.terminal.process(&self.margins);
             } else if self.bytes.ends_with(b"\x1b[?1047h") {
                 self.terminal.process(b"\x1b[?47h");
             } else if self.bytes.ends_with(b"\x1b[?1049l") {
+                self.terminal.process(&self.margins);
                 let (row, column) = self.saved_cursor;
                 self.terminal.process(format!("\x1b[{};{}H", row + 1, column + 1).as_bytes());
             }
@@ -161,7 +173,7 @@ impl Pty {
         let keys = pair.master.take_writer().unwrap();
         let (rows, columns) = rows_and_columns(size);
         let terminal = Parser::new(rows, columns, 1000);
-        let seen = Seen { terminal, saved_cursor: (0, 0), bytes: Vec::new() };
+        let seen = Seen { terminal, saved_cursor: (0, 0), margins: Vec::new(), bytes: Vec::new() };
         let seen = Arc::new(Mutex::new(seen));
         Pty {
             master: Some(pair.master),
@@ -272,6 +284,20 @@ impl Pty {
             let (_, columns) = screen.size();
             screen.rows(0, columns.get()).map(|line| line.trim_end().to_string()).collect()
         })
+    }
+
+    /// The lines that have scrolled up and off the screen, without the blanks at their ends.
+    pub fn scrollback(&self) -> Vec<String> {
+        let mut seen = self.seen.lock().unwrap();
+        let screen = seen.terminal.screen_mut();
+        let (_, columns) = screen.size();
+        let lines = (1..=screen.scrollback_len()).rev().map(|distance| {
+            screen.set_scrollback(distance);
+            screen.rows(0, columns.get()).next().unwrap().trim_end().to_string()
+        });
+        let lines = lines.collect();
+        screen.set_scrollback(0);
+        lines
     }
 
     /// All that the program has written so far, escape codes included.

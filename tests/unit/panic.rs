@@ -12,8 +12,8 @@ use signal_hook::consts::SIGUSR1;
 #[test]
 #[ignore = "panics on purpose; a test below runs it on a terminal of its own"]
 fn a_donut_that_panics() {
-    // No command line can ask for such a ring. Some of it is outside of the picture, which makes the program
-    // panic in its first frame, just after it has entered the terminal.
+    // No command line can ask for such a ring. Some of it is outside of the picture, which makes the
+    // program panic in its first frame, just after it has entered the terminal.
     let ring = Options { r2: -3.0, k2: Some(5.0), ..Options::parse_from(["donut"]) };
     run(&Options { method: Some(Method::Classic), ..ring }).unwrap();
 }
@@ -32,7 +32,8 @@ fn a_donut_with_a_thread_that_panics_at_sigusr1() {
     run(&Options::parse_from(["donut", "--fps=0"])).unwrap();
 }
 
-/// Runs one of the tests above on a terminal that does not read its output, until `start_reading` is called.
+/// Runs one of the tests above on a terminal that does not read its output, until `start_reading` is
+/// called.
 fn run_unread(name: &str) -> Pty {
     let program = env::current_exe().unwrap();
     let test = ["--ignored", "--nocapture", "--exact", &format!("tests::panic::{name}")];
