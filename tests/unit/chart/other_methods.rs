@@ -1,8 +1,11 @@
-//! Other ways to find what a ray hits first, to compare with the program's own. They use its rays and its
-//! shading, in f64. So that their times can be compared, they follow eight rays side by side, as it does, and
-//! leave out what none of the eight needs.
+//! Other ways to find what a ray hits first, to compare with the program's own, and more rays in a cell.
+//! They use the program's rays and its shading, in f64. So that their times can be compared, they follow
+//! eight rays side by side, as it does, and leave out what none of the eight needs.
 
 use crate::tests::*;
+
+/// The middles of eight neighbours.
+const MIDDLES: [f64; 8] = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
 
 /// Draws as `exact` does, but `first_hits` finds the hits of eight rays.
 pub fn trace_eight_by_eight(
@@ -18,10 +21,9 @@ pub fn trace_eight_by_eight(
     for (row, line) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
         let dy = (row as f64 + 0.5 - cy) / k1y;
         let half_width = (outline_radius * outline_radius - dy * dy).max(0.0).sqrt() * k1x;
-        let (start, end) = ((cx - half_width) as usize, (cx + half_width) as usize + 1);
-        for (n, cells) in line[start..end.min(width)].chunks_mut(8).enumerate() {
-            let first = (start + 8 * n) as f64;
-            let x = first + f64x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
+        let (start, end) = ((cx - half_width) as usize, width.min((cx + half_width) as usize + 1));
+        for (i, cells) in line[start..end].chunks_mut(8).enumerate() {
+            let x = (start + 8 * i) as f64 + f64x8::new(MIDDLES);
             let rays = torus.rays((x - cx) / k1x, dy, k2);
             let hits = first_hits(&torus, &rays);
             let luminances = (torus.luminance(&rays, hits) + TIE_BIAS).to_array();
@@ -35,10 +37,58 @@ pub fn trace_eight_by_eight(
     framebuffer
 }
 
+/// Of the rays in a cell, those that hit, and the sum of their luminances. A negative one counts as 0.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Hits {
+    pub count: usize,
+    pub light: f64,
+}
+
+/// What `n` by `n` rays hit in each cell. They are followed as exact follows its rays, eight neighbours
+/// in one line at a time.
+pub fn trace_n_by_n(view: &View, a: f64, b: f64, n: usize) -> Vec<Hits> {
+    let &View { r2, k2, width, cx, cy, k1x, k1y, .. } = view;
+    let torus = Torus { r2, axis: axis(a, b) };
+    let mut cells = vec![Hits::default(); width * view.height];
+    let outline_radius = outline_radius(r2, k2);
+    for line in n..n * view.height {
+        let dy = ((line as f64 + 0.5) / n as f64 - cy) / k1y;
+        let half_width = (outline_radius * outline_radius - dy * dy).max(0.0).sqrt() * k1x;
+        let (start, end) = ((cx - half_width) as usize, width.min((cx + half_width) as usize + 1));
+        let row = &mut cells[line / n * width..][..width];
+        for first in (n * start..n * end).step_by(8) {
+            let x = (first as f64 + f64x8::new(MIDDLES)) / n as f64;
+            let rays = torus.rays((x - cx) / k1x, dy, k2);
+            let hits = Quartic::new(r2, &rays).first_hits(torus.entry(&rays));
+            let lights = torus.luminance(&rays, hits).max(f64x8::ZERO).to_array();
+            for (i, (hit, light)) in hits.to_array().into_iter().zip(lights).enumerate() {
+                // The last rays may be beyond the row.
+                if hit < MISS
+                    && let Some(cell) = row.get_mut((first + i) / n)
+                {
+                    cell.count += 1;
+                    cell.light += light;
+                }
+            }
+        }
+    }
+    cells
+}
+
+/// Draws with `n` by `n` rays in a cell: the donut where at least half of them hit, with the mean
+/// luminance of those.
+pub fn averaged(view: &View, a: f64, b: f64, n: usize) -> Vec<u8> {
+    let shown = |hits: Hits| match hits.count {
+        count if 2 * count < n * n => b' ',
+        count => glyph(hits.light / count as f64 + TIE_BIAS),
+    };
+    trace_n_by_n(view, a, b, n).into_iter().map(shown).collect()
+}
+
 /// Sphere tracing, in f32, from the sphere round the donut. Each step along the ray is as long as the
 /// distance to the surface, so it cannot pass the surface. A ray has hit when the distance is at most a
-/// tolerance. If that is small, more rays run out of steps before they hit; if it is large, more rays stop
-/// beside an outline that they should pass. `1 / most_steps^2` is a compromise.
+/// tolerance. If that is small, more rays run out of steps before they hit; if it is large, more rays
+/// stop beside an outline that they should pass. `1 / most_steps^2` is a compromise.
 pub fn sphere_tracing(most_steps: usize) -> impl Fn(&Torus, &Rays) -> f64x8 {
     let tolerance = (most_steps as f32).powi(-2);
     move |torus, rays| {
@@ -69,8 +119,8 @@ pub fn sphere_tracing(most_steps: usize) -> impl Fn(&Torus, &Rays) -> f64x8 {
 /// y^3 + 2 p y^2 + (p^2 - 4 r) y - q^2 = 0
 /// ```
 ///
-/// The largest solution y puts the two smaller roots of G into the first factor, whose smaller root is the
-/// first hit. If that factor has no roots, the first hit is the smaller root of the second one.
+/// The largest solution y puts the two smaller roots of G into the first factor, whose smaller root is
+/// the first hit. If that factor has no roots, the first hit is the smaller root of the second one.
 ///
 /// With `y = v - 2/3 p` the resolvent becomes `v^3 - 3 m v - 2 n = 0`. If this has three roots, the
 /// largest is found by a cosine. If it has one, the root is found by Cardano's formula.
@@ -92,12 +142,13 @@ pub fn closed_form(torus: &Torus, rays: &Rays) -> f64x8 {
     }
     let y = (v - 2.0 / 3.0 * p).max(f64x8::ZERO);
     let alpha = y.sqrt();
-    // This is gamma - beta. Where alpha is almost 0, so is q, and rounding spoils q / alpha. There, it is
-    // the square root of (beta + gamma)^2 - 4 beta gamma, with beta + gamma = p + y and beta gamma = r.
+    // This is gamma - beta. Where alpha is almost 0, so is q, and rounding spoils q / alpha. There, it
+    // is the square root of (beta + gamma)^2 - 4 beta gamma, with beta + gamma = p + y and beta gamma =
+    // r.
     let safe = ((p + y) * (p + y) - 4.0 * r).max(f64x8::ZERO).sqrt().copysign(q);
     let apart = y.simd_lt(p.abs() / 8.0).select(safe, q / alpha);
-    // The discriminants of the two factors: alpha^2 - 4 beta and alpha^2 - 4 gamma. A factor with a negative
-    // one has no roots: its square root is NaN, which `min` ignores.
+    // The discriminants of the two factors: alpha^2 - 4 beta and alpha^2 - 4 gamma. A factor with a
+    // negative one has no roots: its square root is NaN, which `min` ignores.
     let (first, second) = (2.0 * (apart - p) - y, -2.0 * (apart + p) - y);
     let root = first.simd_ge(0.0).select(-alpha - first.sqrt(), alpha - second.sqrt());
     (root / 2.0).min(f64x8::splat(MISS))
@@ -129,8 +180,9 @@ pub fn closed_form_alone(ray: &Ray) -> f64 {
     f64::min(root / 2.0, MISS)
 }
 
-/// Newton's method, which steps to the root of the tangent, from the point where the ray enters the sphere
-/// round the donut. The ray misses if the search ends outside the sphere, or takes more than 64 steps.
+/// Newton's method, which steps to the root of the tangent, from the point where the ray enters the
+/// sphere round the donut. The ray misses if the search ends outside the sphere, or takes more than 64
+/// steps.
 pub fn newton_once(torus: &Torus, rays: &Rays) -> f64x8 {
     let radius = 1.0 + torus.r2;
     let half = (radius * radius - rays.d0_squared).max(f64x8::ZERO).sqrt();
@@ -149,14 +201,14 @@ pub fn newton_once(torus: &Torus, rays: &Rays) -> f64x8 {
     hits.select(s, f64x8::splat(MISS))
 }
 
-/// The textbook's solution, in f32 or in f64: the formulas of `closed_form`, without its precautions against
-/// rounding, for the distance t from the viewer. In t, the surface is where
+/// The textbook's solution, in f32 or in f64: the formulas of `closed_form`, without its precautions
+/// against rounding, for the distance t from the viewer. In t, the surface is where
 /// ```text
 /// (t^2 - 2 t0 t + k)^2 = 4 R2^2 (t^2 - 2 t0 t + K2^2 - (f + fu t)^2)
 /// ```
 ///
-/// Here f is the viewer's height above the plane of the ring, t0 is the distance from the viewer to
-/// P0, the point of the ray nearest to the donut's centre, and k is `K2^2 + R2^2 - 1`.
+/// Here f is the viewer's height above the plane of the ring, t0 is the distance from the viewer to P0,
+/// the point of the ray nearest to the donut's centre, and k is `K2^2 + R2^2 - 1`.
 macro_rules! textbook {
     ($name:ident, $float:ident, $lanes:ident) => {
         pub fn $name(torus: &Torus, k2: f64, rays: &Rays) -> f64x8 {
