@@ -240,10 +240,10 @@ impl Renderer {
         }
         // donut.c shows the margin: a blank row 0, and a newline in place of column 0. Other pictures have
         // newlines only between their rows.
-        let margin = self.view == View::DONUT_C;
-        let rows = self.framebuffer.chunks_exact(self.view.width).skip(usize::from(!margin));
+        let shows_margin = self.view == View::DONUT_C;
+        let rows = self.framebuffer.chunks_exact(self.view.width).skip(usize::from(!shows_margin));
         for (i, row) in rows.enumerate() {
-            if margin || i > 0 {
+            if shows_margin || i > 0 {
                 bytes.push(b'\n');
             }
             let row = &row[1..];
@@ -945,7 +945,7 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
                 renderer.remove_shading();
             }
             let bytes = renderer.encode(options.color, terminal.is_some(), clear)?;
-            io::stdout().write_all(&bytes)?;
+            io::stdout().write_all(&bytes)?; // The newline at the end flushes it.
             clear = false;
         }
     }
@@ -976,7 +976,7 @@ fn turned([a, b]: [f64; 2], along: usize, angle: f64) -> [f64; 2] {
 // echoed; the alternate screen, a second screen for programs that fill it; and a hidden cursor. To *leave* it
 // is to undo all this. crossterm knows whether raw mode is set, and so whether the program has entered.
 //
-// These threads are there:
+// The threads:
 // - The main thread runs the loop, which enters and draws.
 // - One reads the keys, and sends them to the loop.
 // - Two wait for signals: ctrlc's for SIGINT, and another one for SIGTERM, SIGHUP and SIGQUIT. They wake the
@@ -1027,7 +1027,8 @@ impl Terminal {
         let previous_hook = panic::take_hook();
         panic::set_hook(Box::new(move |info| {
             let _ = thread::Builder::new().spawn(|| end_in_three_seconds(|| process::exit(101)));
-            // If the loop is stuck in a write, it does not give this lock. Otherwise, it stops here.
+            // The loop stops at this lock. If it is stuck in a write, it holds the lock, and this thread
+            // waits.
             let _stdout = io::stdout().lock();
             let _ = leave(uses_alternate_screen);
             previous_hook(info);
@@ -1036,10 +1037,10 @@ impl Terminal {
 
         let (sender, inbox) = mpsc::sync_channel(100);
         let (last_signal, was_resumed): (Arc<AtomicUsize>, Arc<AtomicBool>) = Default::default();
-        let (to_loop, number) = (sender.clone(), last_signal.clone());
+        let (to_loop, last) = (sender.clone(), last_signal.clone());
         let end_soon = move |signal: i32| {
-            number.store(signal as usize, SeqCst);
-            let _ = to_loop.try_send(Ok(None)); // If the inbox is full, the loop is awake.
+            last.store(signal as usize, SeqCst); // On Windows, nothing else stores it.
+            let _ = to_loop.try_send(Ok(None)); // If the inbox is full, the loop will look all the same.
             end_in_three_seconds(|| end_by(signal))
         };
         // ctrlc replaces a handler that it finds, and signal-hook adds to it, so ctrlc comes first.
@@ -1050,8 +1051,8 @@ impl Terminal {
             flag::register(SIGCONT, was_resumed.clone())?;
             // The handlers store the number before the threads wake: a program that a shell's `kill` resumes
             // in the background must not stop again.
-            for number in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
-                flag::register_usize(number, last_signal.clone(), number as usize)?;
+            for signal in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
+                flag::register_usize(signal, last_signal.clone(), signal as usize)?;
             }
             let mut signals = Signals::new([SIGHUP, SIGQUIT, SIGTERM])?;
             let waiter = thread::Builder::new().spawn(move || signals.forever().for_each(end_soon));
@@ -1062,8 +1063,7 @@ impl Terminal {
         // waits for `enter`, because reading in the background would stop the program.
         let (start_reading, start) = mpsc::channel();
         let reader = thread::Builder::new().name("keys".into()).spawn(move || {
-            let _ = start.recv();
-            while sender.send(event::read().map(Some)).is_ok() {}
+            let _ = start.recv().map(|()| while sender.send(event::read().map(Some)).is_ok() {});
         });
         reader.map_err(|_| io::Error::other(NO_THREAD))?;
         // `(donut &)` starts in the foreground, with /dev/null as input, and a moment later, the shell takes
@@ -1119,7 +1119,7 @@ impl Terminal {
     /// Enters at the start, after `suspend`, and after another stop, unless a signal asks the program to end.
     /// Says whether it has entered, because all has to be drawn again then.
     fn enter(&self) -> io::Result<bool> {
-        let mut stdout = io::stdout().lock(); // After a panic, its hook has this, and leaves.
+        let mut stdout = io::stdout().lock(); // After a panic, its hook holds this, and leaves.
         let is_inside = term::is_raw_mode_enabled()?;
         let was_resumed = self.was_resumed.swap(false, SeqCst);
         if self.end_signal().is_some() || (is_inside && !was_resumed) {
@@ -1185,9 +1185,10 @@ impl Terminal {
     fn stop(&self, signal: Signal) -> bool {
         self.was_resumed.store(false, SeqCst);
         let _ = kill_current_process_group(signal);
-        // Not every system stops the program before the line above returns.
-        (0..100).any(|_| {
-            thread::sleep(Duration::from_millis(1));
+        // Not every system stops the program before the line above returns. And if the signal of a shell's
+        // `kill` comes with SIGCONT, its handler may run a little later.
+        (0..4).any(|_| {
+            thread::sleep(Duration::from_millis(25));
             self.was_resumed.load(SeqCst)
         })
     }
@@ -1215,8 +1216,8 @@ fn leave(uses_alternate_screen: bool) -> io::Result<()> {
     restore_settings().and(written)
 }
 
-/// Ends the program if that has not happened by then, because the loop is stuck in a write. The terminal
-/// takes no output, so only its settings are restored.
+/// Ends the program if it still runs by then, because the loop is stuck in a write. The terminal takes no
+/// output, or too little, so only its settings are restored.
 fn end_in_three_seconds(end: impl FnOnce()) {
     thread::sleep(Duration::from_secs(3));
     let _ = restore_settings();

@@ -698,7 +698,10 @@ fn a_signal_to_the_thread_of_the_keys_ends_donut_by_that_signal() {
         let is_keys = |thread: &String| {
             read_to_string(format!("/proc/{}/task/{thread}/comm", pty.pid())).unwrap() == "keys\n"
         };
-        let thread = thread_ids(&pty).into_iter().find(is_keys).unwrap();
+        // A thread has its name only when it has started.
+        let find = || thread_ids(&pty).into_iter().find(is_keys);
+        pty.wait_for("the thread of the keys", |_| find().is_some());
+        let thread = find().unwrap();
         let call = format!("{tgkill}, {}, {thread}, {}", pty.pid(), signal.as_raw());
         assert!(is_possible(&format!("perl -e 'syscall({call}) == 0 or die $!'")));
         pty.assert_ends(code);
@@ -815,7 +818,7 @@ fn a_signal_restores_while_another_program_writes() {
         let pty = stuck_donut(SIZE);
         let stop_writing = pty.start_writing(size);
         sleep(Duration::from_millis(20));
-        pty.start_reading(10_000, Duration::from_millis(10));
+        pty.start_reading(10_000, Duration::from_millis(2));
         pty.signal(signal);
         assert_eq!(pty.wait_for_exit(), code);
         stop_writing();
@@ -855,9 +858,9 @@ fn donut_waits_for_a_slow_terminal_even_if_it_is_nonblocking() {
 #[test]
 fn keys_and_signals_are_obeyed_on_a_slow_terminal() {
     side_by_side(&[("q", 0), ("TERM", 143)], |&(word, code)| {
-        // The terminal reads 10 kB a second, and there are 53 kB of frames.
+        // The terminal reads 20 kB a second, and there are about 40 kB of frames.
         let pty = run_unread("", SIZE);
-        pty.start_reading(1000, Duration::from_millis(100));
+        pty.start_reading(1000, Duration::from_millis(50));
         wait_for_more_frames(&pty, 2);
         pty.wait_until_full();
         step(&pty, word);
