@@ -238,8 +238,8 @@ impl Renderer {
         if let Some(color) = color {
             queue!(bytes, style::SetForegroundColor(color))?;
         }
-        // donut.c shows the margin: a blank row 0, and a newline in place of column 0. Other pictures have
-        // newlines only between their rows.
+        // donut.c shows the margin: a blank row 0, and a newline in place of column 0. Other pictures begin
+        // with a row.
         let shows_margin = self.view == View::DONUT_C;
         let rows = self.framebuffer.chunks_exact(self.view.width).skip(usize::from(!shows_margin));
         for (i, row) in rows.enumerate() {
@@ -603,8 +603,8 @@ impl Quartic {
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // A later option overrides an earlier one, such as one from `alias donut='donut --color cyan'`.
 #[command(args_override_self = true)]
-// A negative number is a value, even where it is refused. (For clap, -1e-3 and -1,2 are no numbers, so the
-// angles also allow hyphens.) Completions must not offer file names as values.
+// A number such as -5 is a value, even where it is refused. (For clap, -.5, -1e-3 and -1,2 are no numbers, so
+// the angles also allow hyphens.) Completions must not offer file names as values.
 #[command(mut_args(|option| option.allow_negative_numbers(true).value_hint(ValueHint::Other)))]
 struct Options {
     /// Frames per second; 0 means no limit
@@ -720,7 +720,8 @@ Examples:
 const MAX_SIZE: u16 = 4096;
 const ANGLES: RangeInclusive<f64> = -1e3..=1e3;
 const ASPECTS: RangeInclusive<f64> = 0.1..=10.0;
-/// The least K2 - R2. When the donut is edge-on, the tube, whose radius is 1, comes so near to the viewer.
+/// The least K2 - R2. When the donut is edge-on, the ring comes so near to the viewer, and the tube within
+/// 0.01.
 const NEAREST: f64 = 1.01;
 // Beyond these, the hole or the tube is too small to see in most pictures.
 const R2_RANGE: RangeInclusive<f64> = 1.01..=30.0;
@@ -957,7 +958,8 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
 ///
 /// Only the donut's axis can be seen, and many pairs of angles give the same axis: each angle may have some
 /// whole turns more or less, and -A with B + pi is as good as A with B. Of these pairs, this one is the
-/// nearest to the old angles, so that the donut goes on spinning the same way.
+/// nearest to the old angles, so that the spin changes as little as it can. (Where A is near 0 or pi, B may
+/// jump.)
 fn turned([a, b]: [f64; 2], along: usize, angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     let mut n = axis(a, b);
@@ -995,7 +997,7 @@ fn turned([a, b]: [f64; 2], along: usize, angle: f64) -> [f64; 2] {
 // - A panic, in any thread: its hook leaves, and shows the message. 101.
 // - A terminal that takes no output, with the loop stuck in a write: q has to wait. After a signal or a
 //   panic, the three seconds pass, with no message. But Ctrl-C and Ctrl-\ free the loop if the rest of the
-//   frame fits, because the system then discards what the terminal has not taken.
+//   frame fits, because the system then discards what the terminal has not taken (unless `stty noflsh`).
 //
 // What stops the program, until the shell's `fg`:
 // - Ctrl-Z is a key. The loop leaves, stops the program, and enters again.
@@ -1007,6 +1009,9 @@ fn turned([a, b]: [f64; 2], along: usize, angle: f64) -> [f64; 2] {
 /// The number of SIGINT, the signal that Ctrl-C stands for. (signal-hook names it, too, but only on Unix.)
 const SIGINT: i32 = 2;
 
+/// Stands for a panic, in place of a signal's number.
+const PANIC: usize = usize::MAX;
+
 const NO_THREAD: &str = "the system does not allow another thread";
 
 struct Terminal {
@@ -1016,7 +1021,7 @@ struct Terminal {
     inbox: mpsc::Receiver<io::Result<Option<Event>>>,
     /// The first message starts the thread that reads the keys.
     start_reading: mpsc::Sender<()>,
-    /// The number of the last signal that has asked the program to end, or 0.
+    /// The number of the last signal that has asked the program to end, 0, or after a panic, `PANIC`.
     last_signal: Arc<AtomicUsize>,
     /// Set by SIGCONT's handler: the program may have been stopped, and has been resumed.
     was_resumed: Arc<AtomicBool>,
@@ -1024,8 +1029,10 @@ struct Terminal {
 
 impl Terminal {
     fn new(uses_alternate_screen: bool) -> io::Result<Terminal> {
-        let previous_hook = panic::take_hook();
+        let (last_signal, was_resumed): (Arc<AtomicUsize>, Arc<AtomicBool>) = Default::default();
+        let (last, previous_hook) = (last_signal.clone(), panic::take_hook());
         panic::set_hook(Box::new(move |info| {
+            last.store(PANIC, SeqCst); // The loop must not enter again.
             let _ = thread::Builder::new().spawn(|| end_in_three_seconds(|| process::exit(101)));
             // The loop stops at this lock. If it is stuck in a write, it holds the lock, and this thread
             // waits.
@@ -1036,7 +1043,6 @@ impl Terminal {
         }));
 
         let (sender, inbox) = mpsc::sync_channel(100);
-        let (last_signal, was_resumed): (Arc<AtomicUsize>, Arc<AtomicBool>) = Default::default();
         let (to_loop, last) = (sender.clone(), last_signal.clone());
         let end_soon = move |signal: i32| {
             last.store(signal as usize, SeqCst); // On Windows, nothing else stores it.
@@ -1049,8 +1055,8 @@ impl Terminal {
         #[cfg(unix)]
         {
             flag::register(SIGCONT, was_resumed.clone())?;
-            // The handlers store the number before the threads wake: a program that a shell's `kill` resumes
-            // in the background must not stop again.
+            // The handlers store the number, too, because the threads may come late: a program that a shell's
+            // `kill` resumes in the background must not stop again.
             for signal in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
                 flag::register_usize(signal, last_signal.clone(), signal as usize)?;
             }
@@ -1112,6 +1118,8 @@ impl Terminal {
             if !self.stop(Signal::TTOU) {
                 return Err(io::Error::other("no shell can bring this job to the foreground"));
             }
+            // If a shell's `kill` has resumed the program, the handler of its signal may be late.
+            thread::sleep(Duration::from_millis(if is_in_background() { 200 } else { 0 }));
         }
         Ok(())
     }
@@ -1120,12 +1128,12 @@ impl Terminal {
     /// Says whether it has entered, because all has to be drawn again then.
     fn enter(&self) -> io::Result<bool> {
         let mut stdout = io::stdout().lock(); // After a panic, its hook holds this, and leaves.
-        let is_inside = term::is_raw_mode_enabled()?;
-        let was_resumed = self.was_resumed.swap(false, SeqCst);
-        if self.end_signal().is_some() || (is_inside && !was_resumed) {
+        let (inside, resumed) =
+            (term::is_raw_mode_enabled()?, self.was_resumed.swap(false, SeqCst));
+        if self.last_signal.load(SeqCst) > 0 || (inside && !resumed) {
             return Ok(false);
         }
-        if is_inside {
+        if inside {
             // The program was stopped before it could leave. The shell has changed the settings, but
             // crossterm would not set raw mode twice, and some terminals forget the shell's cursor if the
             // alternate screen is entered twice. The screen may be the shell's, so it is not cleared here.
@@ -1158,7 +1166,7 @@ impl Terminal {
         // Ctrl-C and Ctrl-\ send signals, which arrive even after half an escape code.
         settings.local_modes |= LocalModes::ISIG;
         // Ctrl-Z arrives as a key: see `suspend`. The value for "no key" differs between systems, so the key
-        // that suspends is set to Ctrl-C; the system looks for the key that interrupts first.
+        // that suspends is set to the one that interrupts, which the system looks for first.
         settings.special_codes[CodeIndex::VSUSP] = settings.special_codes[CodeIndex::VINTR];
         // `\n` leads to the start of a new line, so that a frame is the same as in a pipe.
         settings.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
@@ -1172,9 +1180,7 @@ impl Terminal {
     #[cfg(unix)]
     fn suspend(&self) -> io::Result<()> {
         leave(self.uses_alternate_screen)?;
-        if self.end_signal().is_none() {
-            self.stop(Signal::TSTP);
-        }
+        let _ = self.end_signal().is_none() && self.stop(Signal::TSTP);
         self.inbox.try_iter().for_each(drop); // The keys that came with Ctrl-Z.
         Ok(())
     }
@@ -1185,10 +1191,9 @@ impl Terminal {
     fn stop(&self, signal: Signal) -> bool {
         self.was_resumed.store(false, SeqCst);
         let _ = kill_current_process_group(signal);
-        // Not every system stops the program before the line above returns. And if the signal of a shell's
-        // `kill` comes with SIGCONT, its handler may run a little later.
-        (0..4).any(|_| {
-            thread::sleep(Duration::from_millis(25));
+        // Not every system stops the program before the line above returns.
+        (0..10).any(|_| {
+            thread::sleep(Duration::from_millis(10));
             self.was_resumed.load(SeqCst)
         })
     }

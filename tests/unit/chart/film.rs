@@ -12,8 +12,8 @@ const SMALL: (usize, usize) = (80, 24);
 const LARGE: (usize, usize) = (120, 36);
 /// The frames in which the window begins and ends to grow, and begins to shrink. It shrinks until the
 /// end.
-const GROWS: (usize, usize) = (58, 82);
-const SHRINKS: usize = 145;
+const GROWS: (usize, usize) = (50, 74);
+const SHRINKS: usize = 133;
 /// The frame that is shown where nothing may move.
 const STILL: usize = 100;
 /// What is around the cells: the bar of the window, and the margin on the other sides.
@@ -69,16 +69,14 @@ pub fn film() -> String {
         };
         let picture = draw(method, view, a, b);
         // donut.c's picture begins in the second row of the window, and all others in the first.
-        let class = if is_small { "" } else { " class=\"c\"" };
         let y = n * height + at.1 + if is_small { CELL.1 } else { 0 };
-        writeln!(strip, "<use href=\"#{id}\" y=\"{}\"/><g{class}>", n * height).unwrap();
+        writeln!(strip, "<use href=\"#{id}\" y=\"{}\"/>", n * height).unwrap();
         let cells = (1..view.width, if is_small { 0 } else { 1 }..view.height);
         strip += &part((&picture, view.width), cells, (at.0, y), |_| "");
-        strip += "</g>\n";
     }
     let style = format!(
-        "text{{font:16.6px ui-monospace,Menlo,Consolas,'DejaVu Sans Mono',monospace;fill:#e6e6e6;\
-         white-space:pre}}.c text{{fill:#ff8800}}rect{{fill:#16181d;stroke:#444c56;stroke-width:2}}\
+        "text{{font:16.6px ui-monospace,Menlo,Consolas,'DejaVu Sans Mono',monospace;fill:#ff8800;\
+         white-space:pre}}rect{{fill:#16181d;stroke:#444c56;stroke-width:2}}\
          path{{stroke:#5c646e;stroke-width:13;stroke-linecap:round}}\
          text.size{{font-size:24px;text-anchor:middle;fill:#a0a8b2}}\
          @media(prefers-reduced-motion:no-preference){{\

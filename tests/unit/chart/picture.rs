@@ -126,18 +126,12 @@ pub fn two_methods() -> String {
     let contents = [
         panel((LEFT, 50), "classic", "the nearest point in a cell", &classic, false),
         panel((RIGHT, 50), "exact", "the point at a cell's centre", &exact, false),
-        panel(
-            (LEFT, 50 + BELOW),
-            "differences",
-            "classic, with the different cells",
-            &classic,
-            true,
-        ),
-        key("shade", (RIGHT, 180 + BELOW), &format!("another character: {shades}")),
-        key("extra", (RIGHT, 230 + BELOW), &format!("blank in exact: {extra}")),
-        words("caption", (RIGHT, 320 + BELOW), &format!("different: {different} cells")),
+        panel((LEFT, 50 + BELOW), "differences", "classic, differences marked", &classic, true),
+        key("shade", (RIGHT, 180 + BELOW), &format!("different character: {shades}")),
+        key("extra", (RIGHT, 230 + BELOW), &format!("only in classic: {extra}")),
+        words("caption", (RIGHT, 320 + BELOW), &format!("together: {different} cells")),
         words("caption", (RIGHT, 356 + BELOW), &format!("the donut: {surface} cells")),
-        words("title", (RIGHT, 410 + BELOW), &format!("{share}% different")),
+        words("title", (RIGHT, 410 + BELOW), &format!("{share}% differ")),
     ];
     let title = "A donut drawn by classic and by exact, and the cells in which these differ";
     picture(title, (RIGHT + pixels(PART.0.len(), 0).0 + LEFT, 2 * BELOW + 10), &contents.concat())
@@ -182,21 +176,21 @@ pub fn failures() -> String {
     const RIGHT: usize = 404;
     const HEIGHT: usize = 456;
     let mut contents = [
-        key("hole", (LEFT, 24), "blank, but not in exact"),
-        key("extra", (RIGHT, 24), "blank in exact"),
-        key("shade", (LEFT, 60), "another character"),
+        key("hole", (LEFT, 24), "missing"),
+        key("extra", (LEFT + 180, 24), "extra"),
+        key("shade", (LEFT + 340, 24), "wrong character"),
     ]
     .concat();
     let shown = [
         (
             "classic with donut.c's steps",
             ("`--k2 3.03`", 2, (41, 8)),
-            ["Gaps", "donut.c's steps at --k2 3.03:", "too few samples for so near a donut"],
+            ["Gaps", "donut.c's steps at --k2 3.03:", "too few points this close up"],
         ),
         (
             "sphere tracing 16",
             ("80x22", 6, (19, 4)),
-            ["A bitten outline", "sphere tracing with 16 steps:", "grazing rays run out of them"],
+            ["A bitten outline", "sphere tracing with 16 steps:", "grazing rays run out of steps"],
         ),
         (
             "Ferrari f32",
@@ -213,17 +207,17 @@ pub fn failures() -> String {
         });
         let mark = |cell: usize| mark(drawn[cell], exact[cell]);
         let cells = || (corner.0..corner.0 + PART.0, corner.1..corner.1 + PART.1);
-        let top = 120 + n * HEIGHT;
+        let top = 84 + n * HEIGHT;
         contents += &words("title", (LEFT, top + 34), title);
         contents += &words("caption", (LEFT, top + 72), first);
         contents += &words("caption", (LEFT, top + 102), second);
         contents += &thumbnail((&exact, &view), cells(), (RIGHT as f64 + 270.0, top as f64 + 66.0));
-        contents += &words("head", (LEFT, top + 152), "the method");
+        contents += &words("head", (LEFT, top + 152), name);
         contents += &words("head", (RIGHT, top + 152), "exact");
         contents += &part((&drawn, view.width), cells(), (LEFT, top + 166), mark);
         contents += &part((&exact, view.width), cells(), (RIGHT, top + 166), |_| "");
     }
     let title = "Three methods that fail, beside exact, with their wrong cells marked";
     let width = RIGHT + pixels(PART.0, 0).0 + LEFT;
-    picture(title, (width, 120 + 3 * HEIGHT - 20), &contents)
+    picture(title, (width, 84 + 3 * HEIGHT - 20), &contents)
 }

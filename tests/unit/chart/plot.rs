@@ -60,7 +60,7 @@ pub fn readme() -> String {
         text("title ink", (12.0, 30.0), "start", "Exact is faster than donut.c, and more accurate");
     contents +=
         &text("ink", (12.0, 60.0), "start", "cells that differ from the average over the cell,");
-    contents += &text("ink", (12.0, 80.0), "start", "in % of the donut's cells");
+    contents += &text("ink", (12.0, 80.0), "start", "in % of the donut's cells, at 80x22");
     contents += &text("ink", (at(end, 0.0).0, BOTTOM + 46.0), "end", "time per frame, in µs");
     let note = "donut.c's time includes putchar";
     contents += &text("grey", (12.0, BOTTOM + 46.0), "start", note);
@@ -113,7 +113,7 @@ pub fn study() -> String {
     let x = |time: f64| LEFT + DECADE.0 * (time / 10.0).log10();
     let y = |share: f64| bottom - DECADE.1 * (share / LEAST).log10();
     let mut contents =
-        text("title ink", (12.0, 30.0), "start", "Exact is the fastest method that is never wrong");
+        text("title ink", (12.0, 30.0), "start", "Exact is the fastest without a wrong cell");
     contents += &text(
         "ink",
         (12.0, 60.0),
