@@ -15,7 +15,7 @@ const LARGE: (usize, usize) = (120, 36);
 const GROWS: (usize, usize) = (50, 74);
 const SHRINKS: usize = 133;
 /// The frame that is shown where nothing may move.
-const STILL: usize = 100;
+const STILL: usize = 84;
 /// What is around the cells: the bar of the window, and the margin on the other sides.
 const BAR: usize = 40;
 const MARGIN: usize = 16;

@@ -212,7 +212,8 @@ pub fn failures() -> String {
         contents += &words("caption", (LEFT, top + 72), first);
         contents += &words("caption", (LEFT, top + 102), second);
         contents += &thumbnail((&exact, &view), cells(), (RIGHT as f64 + 270.0, top as f64 + 66.0));
-        contents += &words("head", (LEFT, top + 152), name);
+        let head = ["donut.c's steps", "sphere tracing", "Ferrari, f32"][n];
+        contents += &words("head", (LEFT, top + 152), head);
         contents += &words("head", (RIGHT, top + 152), "exact");
         contents += &part((&drawn, view.width), cells(), (LEFT, top + 166), mark);
         contents += &part((&exact, view.width), cells(), (RIGHT, top + 166), |_| "");
