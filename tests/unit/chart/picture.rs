@@ -129,7 +129,7 @@ pub fn two_methods() -> String {
         panel((LEFT, 50 + BELOW), "differences", "classic, differences marked", &classic, true),
         key("shade", (RIGHT, 180 + BELOW), &format!("different character: {shades}")),
         key("extra", (RIGHT, 230 + BELOW), &format!("only in classic: {extra}")),
-        words("caption", (RIGHT, 320 + BELOW), &format!("together: {different} cells")),
+        words("caption", (RIGHT, 320 + BELOW), &format!("differ from exact: {different}")),
         words("caption", (RIGHT, 356 + BELOW), &format!("the donut: {surface} cells")),
         words("title", (RIGHT, 410 + BELOW), &format!("{share}% differ")),
     ];
