@@ -927,12 +927,18 @@ fn step(pty: &Pty, step: &str) {
         }
         // In the background, the donut is stopped again.
         "bg" => {
-            let answers = || pty.written().matches("&\r\n").count();
-            let before = answers();
+            let count = |text| pty.written().matches(text).count();
+            let (answers, stops) = (count("&\r\n"), count("Stopped"));
             type_line(pty, step);
-            pty.wait_for("bash's answer", |_| answers() > before);
+            pty.wait_for("bash's answer", |_| count("&\r\n") > answers);
             sleep(Duration::from_millis(400));
             pty.wait_for("the stop", Pty::is_stopped);
+            // bash says so when another job ends. Until it has noticed, its `kill` does not resume the job.
+            pty.wait_for("bash to notice", |pty| {
+                type_line(pty, "(:)");
+                sleep(Duration::from_millis(50));
+                count("Stopped") > stops
+            });
         }
         "kill" => type_line(pty, "kill %1"),
         // bash resumes a stopped job that it kills, but not for SIGINT.
