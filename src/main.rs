@@ -1118,8 +1118,6 @@ impl Terminal {
             if !self.stop(Signal::TTOU) {
                 return Err(io::Error::other("no shell can bring this job to the foreground"));
             }
-            // If a shell's `kill` has resumed the program, the handler of its signal may be late.
-            thread::sleep(Duration::from_millis(if is_in_background() { 200 } else { 0 }));
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! A program on a pseudo-terminal, and the screen that a person would see.
 
 use std::cell::RefCell;
-use std::fs::{File, read_dir, read_to_string};
+use std::fs::{DirEntry, File, read_dir, read_to_string};
 use std::io::{Read, Write};
 use std::num::NonZeroU16;
 use std::sync::{Arc, Mutex};
@@ -72,6 +72,7 @@ impl Seen {
 
 pub struct Job {
     pub pid: Pid,
+    /// Whether all its threads are stopped.
     pub is_stopped: bool,
     /// The processor time so far, of the user and of the system, in hundredths of a second.
     pub ticks: [u32; 2],
@@ -232,9 +233,16 @@ impl Pty {
             let (_, rest) = rest.rsplit_once(") ")?;
             let fields: Vec<_> = rest.split(' ').collect();
             let is_child = fields[1] == parent.to_string() && fields[0] != "Z";
+            // A thread that is not stopped yet might still wait for a key, see what is typed for the
+            // shell, and read it in the background, which would stop the program once more.
+            let is_stopped = |thread: DirEntry| {
+                let stat = read_to_string(thread.path().join("stat"));
+                stat.is_ok_and(|stat| stat.contains(") T "))
+            };
             is_child.then(|| Job {
                 pid: Pid::from_raw(pid.parse().unwrap()).unwrap(),
-                is_stopped: fields[0] == "T",
+                is_stopped: read_dir(process.path().join("task"))
+                    .is_ok_and(|mut threads| threads.all(|thread| thread.is_ok_and(is_stopped))),
                 ticks: [fields[11], fields[12]].map(|ticks| ticks.parse().unwrap()),
             })
         })
@@ -269,8 +277,14 @@ impl Pty {
     #[track_caller]
     pub fn wait_until_full(&self) {
         let terminal = open(&self.path(), OFlags::NONBLOCK);
-        // A terminal that is full takes no more NULs, which do not show, either.
-        self.wait_for("a full terminal", |_| (&terminal).write(&[0; 64]).is_err());
+        // A terminal that is full takes no more NULs, which do not show, either. Nor does one take any
+        // while another program is inside its write, so it is tried several times.
+        self.wait_for("a full terminal", |_| {
+            (0..10).all(|_| {
+                thread::sleep(Duration::from_millis(1));
+                (&terminal).write(&[0; 64]).is_err()
+            })
+        });
     }
 
     /// What `look` finds on the screen.

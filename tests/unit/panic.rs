@@ -8,6 +8,7 @@ mod pty;
 
 use pty::Pty;
 use signal_hook::consts::SIGUSR1;
+use std::panic::{set_hook, take_hook};
 
 #[test]
 #[ignore = "panics on purpose; a test below runs it on a terminal of its own"]
@@ -29,7 +30,13 @@ fn a_donut_with_a_thread_that_panics_at_sigusr1() {
         }
         panic!("here is SIGUSR1");
     });
-    run(&Options::parse_from(["donut", "--fps=0"])).unwrap();
+    // The message takes a while, in which the loop goes on. It must not enter the terminal again.
+    let hook = take_hook();
+    set_hook(Box::new(move |info| {
+        thread::sleep(Duration::from_millis(200));
+        hook(info);
+    }));
+    run(&Options::parse_from(["donut"])).unwrap();
 }
 
 /// Runs one of the tests above on a terminal that does not read its output, until `start_reading` is
@@ -67,6 +74,7 @@ fn a_panic_in_another_thread_does_so_too() {
 fn a_panic_in_another_thread_ends_the_program_even_if_the_loop_is_stuck_in_a_write() {
     let pty = run_unread("a_donut_with_a_thread_that_panics_at_sigusr1");
     pty.wait_until_full();
+    thread::sleep(Duration::from_millis(100)); // By then, the next frame is due.
     pty.signal(rustix::process::Signal::USR1);
     assert_eq!(pty.wait_for_exit(), 101);
     pty.assert_settings_restored();
