@@ -89,29 +89,27 @@
 use std::f64::consts::{PI, TAU};
 use std::io::{self, IsTerminal, Write};
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
-use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 use std::{array, env, fmt::Display, panic, process, str::FromStr, thread};
 
 use clap::{CommandFactory, Parser, ValueEnum, ValueHint, error::ErrorKind};
-use crossterm::event::{self, Event, KeyCode, KeyModifiers};
 use crossterm::style::{self, Color, Print};
 use crossterm::{cursor, execute, queue, terminal as term};
 use wide::{f32x8, f64x8};
 
+#[cfg(windows)]
+use crossterm::event::{self, KeyCode, KeyModifiers};
 #[cfg(unix)]
 use {
-    rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl},
-    rustix::io::Errno,
+    rustix::event::{PollFd, PollFlags, poll},
+    rustix::fs::{Mode, OFlags, fcntl_getfl, fcntl_setfl, open},
     rustix::process::{Signal, getpgrp, kill_current_process_group},
-    rustix::stdio,
-    rustix::termios::{
-        self, LocalModes, OptionalActions, OutputModes, SpecialCodeIndex as CodeIndex,
-    },
-    signal_hook::consts::{SIGCONT, SIGHUP, SIGQUIT, SIGTERM},
-    signal_hook::{flag, iterator::Signals, low_level},
-    std::fs::File,
+    rustix::termios::{self, OptionalActions, OutputModes},
+    rustix::{fd::OwnedFd, io::Errno, io::read, stdio},
+    signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGWINCH},
+    signal_hook::{flag, low_level},
 };
 
 // ---- View ----------------------------------------------------------------------------------------
@@ -629,7 +627,7 @@ struct Options {
     /// DA is added to the angle A, and DB to the angle B.
     /// Both are from -1000 to 1000.
     #[arg(long, help_heading = "Motion", value_name = "DA,DB", verbatim_doc_comment)]
-    #[arg(alias = "speed", value_parser = parse_angles, allow_hyphen_values = true)]
+    #[arg(value_parser = parse_angles, allow_hyphen_values = true)]
     spin: Option<[f64; 2]>,
 
     /// Angle A of the first frame, in radians
@@ -740,7 +738,7 @@ fn within<T: Copy + Display + FromStr + PartialOrd>(
 
 fn parse_angles(text: &str) -> Result<[f64; 2], String> {
     let expected = "expected two angles with a comma between them, such as 0.04,0.02";
-    let (a, b) = text.split_once(',').filter(|(_, b)| !b.contains(',')).ok_or(expected)?;
+    let (a, b) = text.split_once(',').ok_or(expected)?;
     let angle = within("a number", ANGLES);
     Ok([angle(a.trim())?, angle(b.trim())?])
 }
@@ -769,14 +767,6 @@ struct Window {
 
 /// What a pipe counts as, and a terminal that does not know its size.
 const USUAL_WINDOW: Window = Window { columns: 80, rows: 24, aspect: View::ASPECT };
-
-/// The aspect of a cell, from the size of the window in cells and in pixels, or 2 if these cannot be right.
-fn cell_aspect((columns, rows): (u16, u16), (width, height): (u16, u16)) -> f64 {
-    // In whole pixels, because some terminals count a border in. (0 / 0 is NaN, which is in no range.)
-    let aspect = f64::from(height / rows.max(1)) / f64::from(width / columns.max(1));
-    // OpenSSH for Windows says 640x480 of any window.
-    if ASPECTS.contains(&aspect) && (width, height) != (640, 480) { aspect } else { View::ASPECT }
-}
 
 impl Options {
     /// By default, the viewer is as far away as in donut.c, compared with the size of the donut.
@@ -829,7 +819,9 @@ impl Options {
     fn renderer(&self, window: Option<Window>, method: Option<Method>) -> Renderer {
         let view = self.view(window);
         let default = if view == View::DONUT_C { Method::Classic } else { Method::Exact };
-        Renderer::new(view, method.unwrap_or(default))
+        // Where classic does not fit, `conflict` has refused `--method classic`, and the key m is ignored.
+        let method = method.filter(|_| self.fits_classic()).unwrap_or(default);
+        Renderer::new(view, method)
     }
 }
 
@@ -856,7 +848,7 @@ fn run(options: &Options) -> io::Result<()> {
     if !io::stdout().is_terminal() {
         return play(options, None);
     }
-    if env::var_os("TERM").is_some_and(|term| term == "dumb") {
+    if env::var_os("TERM").is_some_and(|name| name == "dumb") {
         return Err(io::Error::other("TERM is dumb, but the picture needs escape codes"));
     }
     let terminal = Terminal::new(options.frames.is_none())?;
@@ -868,81 +860,70 @@ fn run(options: &Options) -> io::Result<()> {
     }
 }
 
-/// donut.c's `for (;;)`. Each iteration sleeps until the next frame is due, and then draws it. On a terminal,
-/// a key, a new size or a signal ends the sleep, and the current frame may have to be drawn again.
+/// donut.c's `for (;;)`. Each iteration waits until the next frame is due, and then draws it. On a
+/// terminal, a key, a new size or another signal ends the wait, and the current frame may have to be drawn
+/// again.
 fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
     // 0 means no limit. If --fps is tiny, a Duration cannot hold the seconds. 1e9, nearly 32 years, will do.
     let seconds = if options.fps > 0.0 { f64::min(1.0 / options.fps, 1e9) } else { 0.0 };
     let interval = Duration::from_secs_f64(seconds);
+    let (angles, method) = ([options.a, options.b], options.method);
+    let mut show = Show { angles, method, is_paused: false, is_shaded: true };
     // On a terminal, the first iteration asks for the window.
-    let (mut window, mut method) = (None, options.method);
-    let mut renderer = options.renderer(window, method);
-    let mut angles = [options.a, options.b];
+    let mut drawn_for = (None, method);
+    let mut renderer = options.renderer(None, method);
     let mut clear = true; // donut.c, too, begins by clearing the screen.
-    let (mut is_paused, mut is_shaded) = (false, true);
     let mut frame_count = 0;
     let mut due = Instant::now();
 
     while options.frames.is_none_or(|frames| frame_count < frames) {
         let until_due = due.saturating_duration_since(Instant::now());
-        let shown = (angles, method, is_shaded);
+        let mut redraw = false;
         if let Some(terminal) = terminal {
-            let timeout = if is_paused { Duration::MAX } else { until_due };
-            for event in terminal.events(timeout) {
-                let Some(event) = event? else { continue };
-                clear |= matches!(event, Event::Resize(..)); // Even if the old size is back.
-                let Some(key) = event.as_key_press_event() else { continue };
-                match (key.modifiers - KeyModifiers::SHIFT, key.code) {
-                    // Over a slow line, the escape code of an arrow key may come in pieces. Then its ESC
-                    // counts as Esc. On Unix, Ctrl-C sends a signal, and is a key only where `stty` has
-                    // changed that.
-                    (KeyModifiers::NONE, KeyCode::Char('q' | 'Q') | KeyCode::Esc)
-                    | (KeyModifiers::CONTROL, KeyCode::Char('c' | 'C')) => return Ok(()),
-                    (KeyModifiers::NONE, KeyCode::Char(' ' | 'p' | 'P')) => is_paused = !is_paused,
-                    (KeyModifiers::NONE, KeyCode::Char('s' | 'S')) => is_shaded = !is_shaded,
-                    (KeyModifiers::NONE, KeyCode::Char('m' | 'M')) if options.fits_classic() => {
-                        let is_classic = renderer.classic.is_some();
-                        method = Some(if is_classic { Method::Exact } else { Method::Classic });
-                        renderer = options.renderer(window, method);
+            let timeout = if show.is_paused { Duration::MAX } else { until_due };
+            for key in terminal.keys(timeout)? {
+                let is_classic = renderer.classic.is_some();
+                match key {
+                    // \x1b is Esc. Over a slow line, an arrow key's code may come in pieces, and its first
+                    // byte counts as Esc.
+                    'q' | 'Q' | '\x1b' => return Ok(()),
+                    '\x0c' => clear = true, // Ctrl-L.
+                    #[cfg(unix)] // Ctrl-C, Ctrl-\ and Ctrl-Z.
+                    '\x03' | '\x1c' | '\x1a' => {
+                        terminal.send_signal(key)?;
+                        break; // Keys that were read after it are dropped.
                     }
-                    (_, KeyCode::Up) => angles = turned(angles, 1, -0.1),
-                    (_, KeyCode::Down) => angles = turned(angles, 1, 0.1),
-                    (_, KeyCode::Left) => angles = turned(angles, 0, -0.1),
-                    (_, KeyCode::Right) => angles = turned(angles, 0, 0.1),
-                    (KeyModifiers::CONTROL, KeyCode::Char('l' | 'L')) => clear = true,
-                    #[cfg(unix)]
-                    (KeyModifiers::CONTROL, KeyCode::Char('z' | 'Z')) => terminal.suspend()?,
-                    _ => {}
+                    _ => show.obey(key, if is_classic { Method::Exact } else { Method::Classic }),
                 }
+                redraw = true; // For any key, which does no harm.
             }
-            #[cfg(unix)]
-            terminal.wait_for_foreground()?;
+            clear |= terminal.was_resized.swap(false, SeqCst); // Even if the old size is back.
             clear |= terminal.enter()?;
             if terminal.end_signal().is_some() {
                 return Ok(());
             }
-            let new_window = terminal.window()?;
-            if new_window != window {
-                (window, clear) = (new_window, true);
-                renderer = options.renderer(window, method);
+            let wanted = (terminal.window()?, show.method);
+            if wanted != drawn_for {
+                (drawn_for, clear) = (wanted, true);
+                renderer = options.renderer(wanted.0, wanted.1);
             }
         } else {
             thread::sleep(until_due);
         }
 
-        let is_due = !is_paused && due <= Instant::now();
+        let is_due = !show.is_paused && due <= Instant::now();
         if is_due {
             if frame_count > 0 {
-                angles = renderer.advance(angles, options.spin());
+                show.angles = renderer.advance(show.angles, options.spin());
             }
             frame_count += 1;
             // Each frame is due one interval after the one before was due, so that delays do not add up. But
             // after a stall, the next is due now, so that the missed frames do not come in a burst.
             due = (due + interval).max(Instant::now());
         }
-        if is_due || clear || (angles, method, is_shaded) != shown {
-            renderer.render_frame(angles[0], angles[1]);
-            if !is_shaded {
+        if is_due || redraw || clear {
+            renderer.render_frame(show.angles[0], show.angles[1]);
+            if !show.is_shaded {
                 renderer.remove_shading();
             }
             let bytes = renderer.encode(options.color, terminal.is_some(), clear)?;
@@ -953,18 +934,46 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
     Ok(())
 }
 
-/// The angles A and B after a turn that moves the side that faces the viewer along axis 0, x, to the right,
-/// or along axis 1, y, down. A negative angle moves it to the left, or up.
+/// What the keys change.
+struct Show {
+    /// A and B of the current frame.
+    angles: [f64; 2],
+    /// `None` is the default: see `Options::renderer`.
+    method: Option<Method>,
+    is_paused: bool,
+    is_shaded: bool,
+}
+
+impl Show {
+    /// Obeys a key. Other keys do nothing. `other_method` is the one that is not in use.
+    fn obey(&mut self, key: char, other_method: Method) {
+        match key {
+            ' ' | 'p' | 'P' => self.is_paused = !self.is_paused,
+            's' | 'S' => self.is_shaded = !self.is_shaded,
+            'm' | 'M' => self.method = Some(other_method),
+            '↑' => self.angles = turned(self.angles, 0.0, -0.1),
+            '↓' => self.angles = turned(self.angles, 0.0, 0.1),
+            '←' => self.angles = turned(self.angles, -0.1, 0.0),
+            '→' => self.angles = turned(self.angles, 0.1, 0.0),
+            _ => {}
+        }
+    }
+}
+
+/// The angles A and B after the side that faces the viewer has been turned by an angle to the right, and by
+/// one down. Negative angles turn it to the left, and up.
 ///
-/// Only the donut's axis can be seen, and many pairs of angles give the same axis: each angle may have some
-/// whole turns more or less, and -A with B + pi is as good as A with B. Of these pairs, this one is the
-/// nearest to the old angles, so that the spin changes as little as it can. (Where A is near 0 or pi, B may
-/// jump.)
-fn turned([a, b]: [f64; 2], along: usize, angle: f64) -> [f64; 2] {
-    let (sin, cos) = angle.sin_cos();
-    let mut n = axis(a, b);
-    (n[along], n[2]) = (n[along] * cos - n[2] * sin, n[along] * sin + n[2] * cos);
-    let (new_a, new_b) = (f64::hypot(n[0], n[1]).atan2(n[2]), n[0].atan2(-n[1]));
+/// The donut looks the same however it is turned about its axis n, so it is n that is rotated: about y,
+/// then about x. From the formula of n, see `axis`, A = atan2(hypot(nx, ny), nz) and B = atan2(nx, -ny).
+/// But -A with B + pi gives the same n, and so do whole turns. Of all these pairs, this one is the nearest
+/// to the old angles, so that the spin changes as little as it can. (Where A is near 0 or pi, B may jump.)
+fn turned([a, b]: [f64; 2], right: f64, down: f64) -> [f64; 2] {
+    // Where z is negative, x - z sin is more than x: the facing side moves to the right, or down.
+    let rotate = |x: f64, z: f64, (sin, cos)| (x * cos - z * sin, x * sin + z * cos);
+    let [nx, ny, nz] = axis(a, b);
+    let (nx, nz) = rotate(nx, nz, right.sin_cos());
+    let (ny, nz) = rotate(ny, nz, down.sin_cos());
+    let (new_a, new_b) = (f64::hypot(nx, ny).atan2(nz), nx.atan2(-ny));
     let nearest = |new: f64, old: f64| new + ((old - new) / TAU).round() * TAU;
     let pairs = [[new_a, new_b], [-new_a, new_b + PI]];
     let [one, other] = pairs.map(|[new_a, new_b]| [nearest(new_a, a), nearest(new_b, b)]);
@@ -974,121 +983,100 @@ fn turned([a, b]: [f64; 2], along: usize, angle: f64) -> [f64; 2] {
 
 // ---- Terminal ------------------------------------------------------------------------------------
 
-// To *enter* the terminal is to set three things: raw mode, in which each key is sent at once and is not
-// echoed; the alternate screen, a second screen for programs that fill it; and a hidden cursor. To *leave* it
-// is to undo all this. crossterm knows whether raw mode is set, and so whether the program has entered.
+// To *enter* the terminal is to set three things: raw mode, in which each key is sent at once, is not
+// echoed, and sends no signal; the alternate screen, a second screen for programs that fill it; and a
+// hidden cursor. To *leave* it is to undo these. (The scroll margins and the nonblocking flag that `enter`
+// clears stay cleared.) crossterm knows whether raw mode is set, and so whether the program has entered.
 //
-// The threads:
-// - The main thread runs the loop, which enters and draws.
-// - One reads the keys, and sends them to the loop.
-// - Two wait for signals: ctrlc's for SIGINT, and another one for SIGTERM, SIGHUP and SIGQUIT. They wake the
-//   loop, and if the program has not ended after three seconds, they end it.
-// - After a panic, one more waits for three seconds.
+// A *job* is what a shell runs as one command, with all its processes: a process group. One job at a time
+// is in the *foreground*: it has the terminal. The others are in the *background*, and if one of them reads
+// keys or changes settings there, the system stops it. The shell's `fg` gives a stopped job the terminal
+// and resumes it, by SIGCONT; `bg` only resumes it. A job that no shell can resume is stopped only by
+// SIGSTOP.
 //
-// Entering, leaving and drawing hold the lock of standard output. What happens after three seconds does
-// without: it restores only the settings.
+// All this is done in the main thread. The handlers of signals only store a number or a flag.
+// (ctrlc's wakes a thread of its own, which does so.) A signal also interrupts the wait for keys; if it
+// comes just before, or in ctrlc's thread, the loop sees it within a second.
 //
 // What ends the program, and the exit status that a shell then reports:
 // - q, Esc or the last frame: the loop ends, and `run` leaves. 0.
 // - An error: the same, and `main` shows the message. 1.
-// - SIGINT (Ctrl-C), SIGTERM, SIGHUP or SIGQUIT (Ctrl-\): the same, and `run` ends the program by the signal.
-//   130, 143, 129 or 131. (On Windows, Ctrl-C is a key. 0.)
-// - The terminal is gone: by SIGHUP (129); or the loop finds out within a second, and ends with an error (1).
-// - A panic, in any thread: its hook leaves, and shows the message. 101.
-// - A terminal that takes no output, with the loop stuck in a write: q has to wait. After a signal or a
-//   panic, the three seconds pass, with no message. But Ctrl-C and Ctrl-\ free the loop if the rest of the
-//   frame fits, because the system then discards what the terminal has not taken (unless `stty noflsh`).
+// - SIGINT, SIGTERM, SIGHUP or SIGQUIT: the loop ends, `run` leaves, and ends the program by the signal. 130,
+//   143, 129 or 131.
+// - Ctrl-C and Ctrl-\ are keys. The loop leaves, sends the job SIGINT or SIGQUIT, and ends as above. (On
+//   Windows, Ctrl-C is a q.)
+// - The terminal is gone: by SIGHUP, 129. Without one, the loop finds out within a second: an error, 1.
+// - A panic: its hook leaves, and shows the message; then the main thread unwinds. 101.
 //
-// What stops the program, until the shell's `fg`:
-// - Ctrl-Z is a key. The loop leaves, stops the program, and enters again.
-// - SIGSTOP and SIGTSTP stop the program as it is. When it is resumed in the foreground, the loop leaves and
-//   enters again.
-// - In the background, the loop stops the program before the next frame. Where no shell could resume it, it
-//   ends with an error.
-
-/// The number of SIGINT, the signal that Ctrl-C stands for. (signal-hook names it, too, but only on Unix.)
-const SIGINT: i32 = 2;
-
-/// Stands for a panic, in place of a signal's number.
-const PANIC: usize = usize::MAX;
-
-const NO_THREAD: &str = "the system does not allow another thread";
+// Where the terminal takes no output, the loop is stuck in a write. Until it takes some, keys and the
+// signals above wait.
+//
+// What stops the program, until `fg`:
+// - Ctrl-Z is a key. The loop leaves, stops the job, and enters again (at once if no shell can resume it).
+// - SIGSTOP and SIGTSTP stop the program as it is, without leaving. Once it is in the foreground again, the
+//   loop leaves and enters.
+// - In the background, the loop stops the job before it enters, or begins a frame. If no shell can resume
+//   the job, this is an error.
 
 struct Terminal {
     /// With --frames, the alternate screen is not used, because the last frame has to stay.
     uses_alternate_screen: bool,
-    /// Keys and new sizes; or `None`, which only wakes the loop, after a signal. An error ends the loop.
-    inbox: mpsc::Receiver<io::Result<Option<Event>>>,
-    /// The first message starts the thread that reads the keys.
-    start_reading: mpsc::Sender<()>,
-    /// The number of the last signal that has asked the program to end, 0, or after a panic, `PANIC`.
+    /// The terminal, opened again to read keys: see `Terminal::open_tty`.
+    #[cfg(unix)]
+    tty: OwnedFd,
+    /// The number of the last signal that has asked the program to end, or 0.
     last_signal: Arc<AtomicUsize>,
-    /// Set by SIGCONT's handler: the program may have been stopped, and has been resumed.
+    /// Set by SIGCONT: the program has been resumed.
     was_resumed: Arc<AtomicBool>,
+    /// Set by SIGWINCH: the window has a new size.
+    was_resized: Arc<AtomicBool>,
 }
 
 impl Terminal {
     fn new(uses_alternate_screen: bool) -> io::Result<Terminal> {
-        let (last_signal, was_resumed): (Arc<AtomicUsize>, Arc<AtomicBool>) = Default::default();
-        let (last, previous_hook) = (last_signal.clone(), panic::take_hook());
+        let previous_hook = panic::take_hook();
         panic::set_hook(Box::new(move |info| {
-            last.store(PANIC, SeqCst); // The loop must not enter again.
-            let _ = thread::Builder::new().spawn(|| end_in_three_seconds(|| process::exit(101)));
-            // The loop stops at this lock. If it is stuck in a write, it holds the lock, and this thread
-            // waits.
-            let _stdout = io::stdout().lock();
             let _ = leave(uses_alternate_screen);
             previous_hook(info);
-            process::exit(101) // By itself, a panic ends the program only in the main thread.
         }));
-
-        let (sender, inbox) = mpsc::sync_channel(100);
-        let (to_loop, last) = (sender.clone(), last_signal.clone());
-        let end_soon = move |signal: i32| {
-            last.store(signal as usize, SeqCst); // On Windows, nothing else stores it.
-            let _ = to_loop.try_send(Ok(None)); // If the inbox is full, the loop will look all the same.
-            end_in_three_seconds(|| end_by(signal))
+        let terminal = Terminal {
+            uses_alternate_screen,
+            #[cfg(unix)]
+            tty: Terminal::open_tty()?,
+            last_signal: Default::default(),
+            was_resumed: Default::default(),
+            was_resized: Default::default(),
         };
-        // ctrlc replaces a handler that it finds, and signal-hook adds to it, so ctrlc comes first.
-        let on_ctrl_c = end_soon.clone();
-        ctrlc::set_handler(move || on_ctrl_c(SIGINT)).map_err(|_| io::Error::other(NO_THREAD))?;
-        #[cfg(unix)]
-        {
-            flag::register(SIGCONT, was_resumed.clone())?;
-            // The handlers store the number, too, because the threads may come late: a program that a shell's
-            // `kill` resumes in the background must not stop again.
-            for signal in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
-                flag::register_usize(signal, last_signal.clone(), signal as usize)?;
-            }
-            let mut signals = Signals::new([SIGHUP, SIGQUIT, SIGTERM])?;
-            let waiter = thread::Builder::new().spawn(move || signals.forever().for_each(end_soon));
-            waiter.map_err(|_| io::Error::other(NO_THREAD))?;
-        }
-
-        // A thread, because even `event::poll` waits for the end of an escape code that has begun. The thread
-        // waits for `enter`, because reading in the background would stop the program.
-        let (start_reading, start) = mpsc::channel();
-        let reader = thread::Builder::new().name("keys".into()).spawn(move || {
-            let _ = start.recv().map(|()| while sender.send(event::read().map(Some)).is_ok() {});
-        });
-        reader.map_err(|_| io::Error::other(NO_THREAD))?;
+        terminal.handle_signals()?;
         // `(donut &)` starts in the foreground, with /dev/null as input, and a moment later, the shell takes
         // the terminal back. If the program had entered by then, the shell would take raw mode for the user's
         // own settings.
-        thread::sleep(Duration::from_millis(if io::stdin().is_terminal() { 0 } else { 50 }));
-        Ok(Terminal { uses_alternate_screen, inbox, start_reading, last_signal, was_resumed })
+        if !io::stdin().is_terminal() {
+            thread::sleep(Duration::from_millis(50));
+        }
+        Ok(terminal)
+    }
+
+    fn handle_signals(&self) -> io::Result<()> {
+        // ctrlc replaces a handler that it finds, and signal-hook adds to it, so ctrlc comes first. 2 is
+        // SIGINT, whose name is imported only on Unix.
+        let last = self.last_signal.clone();
+        ctrlc::set_handler(move || last.store(2, SeqCst)).map_err(io::Error::other)?;
+        #[cfg(unix)]
+        {
+            // SIGINT, too, because ctrlc's thread may come late.
+            for signal in [SIGHUP, SIGINT, SIGQUIT, SIGTERM] {
+                flag::register_usize(signal, self.last_signal.clone(), signal as usize)?;
+            }
+            flag::register(SIGCONT, self.was_resumed.clone())?;
+            flag::register(SIGWINCH, self.was_resized.clone())?;
+        }
+        Ok(())
     }
 
     /// The signal that has asked the program to end.
     fn end_signal(&self) -> Option<i32> {
-        Some(self.last_signal.load(SeqCst) as i32).filter(|&signal| signal > 0)
-    }
-
-    /// Waits for an event, but no longer than `timeout`, and returns all that have come. At least once a
-    /// second, the loop has to look whether the terminal is gone, and for SIGCONT, which does not wake it.
-    fn events(&self, timeout: Duration) -> impl Iterator<Item = io::Result<Option<Event>>> {
-        let first = self.inbox.recv_timeout(timeout.min(Duration::from_secs(1)));
-        first.into_iter().chain(self.inbox.try_iter())
+        Some(self.last_signal.load(SeqCst) as i32).filter(|&signal| signal != 0)
     }
 
     /// `None` if the terminal does not know its size. Fails if the terminal is gone.
@@ -1099,40 +1087,23 @@ impl Terminal {
             .map(|size| (size.ws_col, size.ws_row, (size.ws_xpixel, size.ws_ypixel)))?;
         #[cfg(windows)]
         let ((columns, rows), pixels) = (term::size()?, (0, 0));
-        // Standard input may be another terminal. If that is gone, crossterm reads nothing for ever.
-        #[cfg(unix)]
-        if let Err(error @ Errno::IO) = termios::tcgetwinsize(stdio::stdin()) {
-            return Err(error.into());
-        }
         let aspect = cell_aspect((columns, rows), pixels);
         Ok((columns > 0 && rows > 0).then_some(Window { columns, rows, aspect }))
     }
 
-    /// In the background, stops the program until the shell's `fg`, or until a signal asks it to end.
-    ///
-    /// In the background, the settings are the shell's. The system stops a program that changes them, but
-    /// only after crossterm has saved them as those to restore.
-    #[cfg(unix)]
-    fn wait_for_foreground(&self) -> io::Result<()> {
-        while is_in_background() && self.end_signal().is_none() {
-            if !self.stop(Signal::TTOU) {
-                return Err(io::Error::other("no shell can bring this job to the foreground"));
-            }
-        }
-        Ok(())
-    }
-
-    /// Enters at the start, after `suspend`, and after another stop, unless a signal asks the program to end.
-    /// Says whether it has entered, because all has to be drawn again then.
+    /// Enters at the start, after Ctrl-Z, and after another stop, but not if a signal asks the program to
+    /// end. Says whether it has entered, because all has to be drawn again then.
     fn enter(&self) -> io::Result<bool> {
-        let mut stdout = io::stdout().lock(); // After a panic, its hook holds this, and leaves.
-        let (inside, resumed) =
-            (term::is_raw_mode_enabled()?, self.was_resumed.swap(false, SeqCst));
-        if self.last_signal.load(SeqCst) > 0 || (inside && !resumed) {
+        #[cfg(unix)]
+        self.wait_for_foreground()?;
+        let inside = term::is_raw_mode_enabled()?;
+        let resumed = self.was_resumed.swap(false, SeqCst);
+        if self.end_signal().is_some() || (inside && !resumed) {
             return Ok(false);
         }
+        let mut stdout = io::stdout().lock();
         if inside {
-            // The program was stopped before it could leave. The shell has changed the settings, but
+            // The program was stopped before it could leave. The shell may have changed the settings, but
             // crossterm would not set raw mode twice, and some terminals forget the shell's cursor if the
             // alternate screen is entered twice. The screen may be the shell's, so it is not cleared here.
             if self.uses_alternate_screen {
@@ -1140,10 +1111,21 @@ impl Terminal {
             }
             term::disable_raw_mode()?;
         }
-        term::enable_raw_mode().map_err(|_| io::Error::other("no terminal to read keys from"))?;
+        // crossterm sets the terminal of standard input, or else /dev/tty, which has to be the one that shows
+        // the donut.
+        term::enable_raw_mode().map_err(|error| {
+            io::Error::other(format!("cannot read keys from the terminal: {error}"))
+        })?;
         #[cfg(unix)]
-        Terminal::adjust_settings()?;
-        let _ = self.start_reading.send(());
+        {
+            // `\n` leads to the start of a new line, as `encode` takes for granted.
+            let mut settings = termios::tcgetattr(&self.tty)?;
+            settings.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
+            termios::tcsetattr(&self.tty, OptionalActions::Now, &settings)?;
+            // If another program has made the terminal nonblocking, a write would fail instead of waiting.
+            // This stays when the program leaves.
+            fcntl_setfl(stdio::stdout(), fcntl_getfl(stdio::stdout())? - OFlags::NONBLOCK)?;
+        }
         if self.uses_alternate_screen {
             queue!(stdout, term::EnterAlternateScreen)?;
         } else if let Some(window) = self.window()? {
@@ -1154,58 +1136,133 @@ impl Terminal {
         execute!(stdout, Print("\x1b[r"), cursor::Hide)?;
         Ok(true)
     }
+}
 
-    /// Adjusts raw mode, on the terminal whose keys crossterm reads, and how the program writes.
-    #[cfg(unix)]
-    fn adjust_settings() -> io::Result<()> {
-        let stdin = stdio::stdin().try_clone_to_owned()?;
-        let tty = if io::stdin().is_terminal() { stdin } else { File::open("/dev/tty")?.into() };
-        let mut settings = termios::tcgetattr(&tty)?;
-        // Ctrl-C and Ctrl-\ send signals, which arrive even after half an escape code.
-        settings.local_modes |= LocalModes::ISIG;
-        // Ctrl-Z arrives as a key: see `suspend`. The value for "no key" differs between systems, so the key
-        // that suspends is set to the one that interrupts, which the system looks for first.
-        settings.special_codes[CodeIndex::VSUSP] = settings.special_codes[CodeIndex::VINTR];
-        // `\n` leads to the start of a new line, so that a frame is the same as in a pipe.
-        settings.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
-        termios::tcsetattr(&tty, OptionalActions::Now, &settings)?;
-        // Where another program has made the terminal nonblocking, a write fails instead of waiting.
-        Ok(fcntl_setfl(stdio::stdout(), fcntl_getfl(stdio::stdout())? - OFlags::NONBLOCK)?)
+#[cfg(unix)]
+impl Terminal {
+    /// Opens the terminal that shows the donut a second time, as nonblocking, because another program may
+    /// take the keys between `poll` and `read`. Standard output is shared with the shell, and must stay
+    /// blocking.
+    ///
+    /// The name is that of the terminal, because macOS's `poll` does not know /dev/tty. After `su`, the
+    /// terminal is another user's, and cannot be opened. Then keys are read from standard output, where
+    /// reading may wait.
+    fn open_tty() -> io::Result<OwnedFd> {
+        termios::ttyname(stdio::stdout(), Vec::new())
+            .and_then(|name| open(&name, OFlags::NONBLOCK, Mode::empty()))
+            .or_else(|_| stdio::stdout().try_clone_to_owned())
     }
 
-    /// Suspends the program until the shell's `fg`. If a script that runs the program is stopped with it, the
-    /// shell writes its prompt, which would be lost on the alternate screen. So the program leaves first.
-    #[cfg(unix)]
-    fn suspend(&self) -> io::Result<()> {
+    /// The keys that have been pressed: characters, and arrows for the arrow keys. Waits for one, but no
+    /// longer than `timeout`, and not after a signal. (At least once a second, the loop looks whether a
+    /// signal came, and whether the terminal is gone.) Keys that were typed ahead count, too.
+    fn keys(&self, timeout: Duration) -> io::Result<Vec<char>> {
+        let timeout = timeout.min(Duration::from_secs(1)).try_into().map_err(io::Error::other)?;
+        let ready = poll(&mut [PollFd::new(&self.tty, PollFlags::IN)], Some(&timeout));
+        // In the background, reading would stop the job.
+        if ready != Ok(1) || is_in_background() {
+            return Ok(Vec::new());
+        }
+        let mut bytes = [0; 4096];
+        match read(&self.tty, &mut bytes) {
+            Ok(count) => Ok(Terminal::parse_keys(&bytes[..count])),
+            Err(Errno::AGAIN) => Ok(Vec::new()), // Another program has read them, or waits for them.
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// The keys in what a terminal has sent. An Esc at its end is the Esc key.
+    fn parse_keys(bytes: &[u8]) -> Vec<char> {
+        let (mut keys, mut bytes) = (Vec::new(), bytes.iter());
+        while let Some(&byte) = bytes.next() {
+            match (byte, bytes.as_slice()) {
+                // The arrow keys send `ESC [ A` to `ESC [ D`, or with O in place of [. Before the letter,
+                // there may be numbers, such as for Shift. Other letters are other keys, or answers of the
+                // terminal.
+                (0x1b, [b'[' | b'O', ..]) => {
+                    let letter = bytes.by_ref().skip(1).find(|byte| !(b' '..=b'?').contains(byte));
+                    if let Some(letter @ b'A'..=b'D') = letter {
+                        keys.push(['↑', '↓', '→', '←'][usize::from(letter - b'A')]);
+                    }
+                }
+                // Some answers are texts, up to BEL or `ESC \`. (The \ is then a key that does nothing.)
+                (0x1b, [b'P' | b']' | b'_', ..]) => {
+                    _ = bytes.find(|byte| [0x07, 0x1b].contains(byte))
+                }
+                (0x1b, [0x1b, ..]) => {} // Alt, and a key that begins with Esc, too.
+                (0x1b, [_, ..]) => _ = bytes.next(), // Alt and a key.
+                _ => keys.push(char::from(byte)),
+            }
+        }
+        keys
+    }
+
+    /// Ctrl-C, Ctrl-\ or Ctrl-Z: sends the job the signal that the terminal usually sends for it, but
+    /// not in raw mode. Leaves first, because the signal also ends or stops the program that runs this
+    /// one, such as xargs, and then the shell takes the terminal back.
+    fn send_signal(&self, key: char) -> io::Result<()> {
         leave(self.uses_alternate_screen)?;
-        let _ = self.end_signal().is_none() && self.stop(Signal::TSTP);
-        self.inbox.try_iter().for_each(drop); // The keys that came with Ctrl-Z.
+        if key == '\x1a' {
+            return Ok(kill_current_process_group(Signal::TSTP)?);
+        }
+        let signal = if key == '\x03' { Signal::INT } else { Signal::QUIT };
+        self.last_signal.store(signal.as_raw() as usize, SeqCst);
+        Ok(kill_current_process_group(signal)?)
+    }
+
+    /// In the background, stops the job until the shell's `fg`, or until a signal asks the program to end.
+    ///
+    /// If the program entered here, crossterm would first save the shell's settings as those to restore, and
+    /// only then would the system stop the job.
+    fn wait_for_foreground(&self) -> io::Result<()> {
+        // Handlers may run in ctrlc's thread, and a little late.
+        let soon = |has_come: &dyn Fn() -> bool| {
+            (0..10).any(|_| {
+                thread::sleep(Duration::from_millis(10));
+                has_come()
+            })
+        };
+        // Most shells also resume a stopped job when they kill it.
+        while is_in_background() && !soon(&|| self.end_signal().is_some() || !is_in_background()) {
+            self.was_resumed.store(false, SeqCst);
+            kill_current_process_group(Signal::TTOU)?;
+            // If no shell can resume the job, the system has ignored the signal.
+            if !soon(&|| self.was_resumed.load(SeqCst)) {
+                return Err(io::Error::other("no shell can bring this job to the foreground"));
+            }
+        }
         Ok(())
     }
+}
 
-    /// Stops the program's job, scripts that run the program included, until a shell resumes it. Says whether
-    /// it was stopped: the system ignores the signal where no shell could resume the job.
-    #[cfg(unix)]
-    fn stop(&self, signal: Signal) -> bool {
-        self.was_resumed.store(false, SeqCst);
-        let _ = kill_current_process_group(signal);
-        // Not every system stops the program before the line above returns.
-        (0..10).any(|_| {
-            thread::sleep(Duration::from_millis(10));
-            self.was_resumed.load(SeqCst)
-        })
+#[cfg(windows)]
+impl Terminal {
+    /// The key that has been pressed, as the character that it sends on Unix; for Ctrl-C, a q.
+    fn keys(&self, timeout: Duration) -> io::Result<Vec<char>> {
+        let has_event = event::poll(timeout.min(Duration::from_secs(1)))?;
+        let key = if has_event { event::read()?.as_key_press_event() } else { None };
+        Ok(Vec::from_iter(key.and_then(|key| {
+            match (key.modifiers - KeyModifiers::SHIFT, key.code) {
+                (KeyModifiers::CONTROL, KeyCode::Char('c')) => Some('q'),
+                (KeyModifiers::CONTROL, KeyCode::Char('l')) => Some('\x0c'),
+                (KeyModifiers::NONE, KeyCode::Char(letter)) => Some(letter),
+                (_, KeyCode::Esc) => Some('\x1b'),
+                (_, KeyCode::Up) => Some('↑'),
+                (_, KeyCode::Down) => Some('↓'),
+                (_, KeyCode::Left) => Some('←'),
+                (_, KeyCode::Right) => Some('→'),
+                _ => None,
+            }
+        })))
     }
 }
 
 /// Leaves the terminal, if the program has entered it.
 fn leave(uses_alternate_screen: bool) -> io::Result<()> {
-    let mut stdout = io::stdout().lock();
     if !term::is_raw_mode_enabled()? {
         return Ok(());
     }
     let mut bytes = Vec::new();
-    // Ctrl-C discards output that the terminal has not taken yet, so the last frame may lack its end.
-    queue!(bytes, term::EndSynchronizedUpdate, style::ResetColor, cursor::MoveToColumn(0))?;
     if uses_alternate_screen {
         // After a change of size, tmux would copy what is there into the shell's screen. (In the background,
         // the screen may be the shell's.)
@@ -1215,29 +1272,24 @@ fn leave(uses_alternate_screen: bool) -> io::Result<()> {
         queue!(bytes, term::LeaveAlternateScreen)?;
     }
     queue!(bytes, cursor::Show)?;
+    let mut stdout = io::stdout().lock();
     let written = stdout.write_all(&bytes).and_then(|()| stdout.flush());
-    restore_settings().and(written)
+    // In the background, it is for the shell to change the settings.
+    if is_in_background() { written } else { term::disable_raw_mode().and(written) }
 }
 
-/// Ends the program if it still runs by then, because the loop is stuck in a write. The terminal takes no
-/// output, or too little, so only its settings are restored.
-fn end_in_three_seconds(end: impl FnOnce()) {
-    thread::sleep(Duration::from_secs(3));
-    let _ = restore_settings();
-    end()
+/// The aspect of a cell, from the size of the window in cells and in pixels, or 2 if these cannot be right.
+fn cell_aspect((columns, rows): (u16, u16), (width, height): (u16, u16)) -> f64 {
+    // In whole pixels, because some terminals count a border in. (0 / 0 is NaN, which is in no range.)
+    let aspect = f64::from(height / rows.max(1)) / f64::from(width / columns.max(1));
+    // OpenSSH for Windows says 640x480 of any window.
+    if ASPECTS.contains(&aspect) && (width, height) != (640, 480) { aspect } else { View::ASPECT }
 }
 
-/// Restores the settings, unless the program is in the background, where they are the shell's.
-fn restore_settings() -> io::Result<()> {
-    if is_in_background() { Ok(()) } else { term::disable_raw_mode() }
-}
-
-/// Whether the terminal is not the program's, but that of another job, such as the shell.
+/// Whether another job of this session, such as the shell, has the terminal.
 fn is_in_background() -> bool {
     #[cfg(unix)]
-    return termios::tcgetpgrp(stdio::stdin())
-        .or_else(|_| termios::tcgetpgrp(stdio::stdout()))
-        .is_ok_and(|group| group != getpgrp());
+    return termios::tcgetpgrp(stdio::stdout()).is_ok_and(|group| group != getpgrp());
     #[cfg(windows)]
     false
 }

@@ -1,23 +1,46 @@
-//! A program without a terminal. If it hangs, its test fails within a minute, and the program is killed.
+//! A program without a terminal. If it hangs, its test fails in the end, and the program is killed.
 
 use std::io::{Read, read_to_string};
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc;
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
 /// More than any test reads. Without a limit, a program that never stops writing would fill the memory.
-pub const MOST_BYTES: u64 = 20_000_000;
+const MOST_BYTES: usize = 20_000_000;
 
-/// How long to wait for something that has to happen, even on a busy machine.
+/// How long a program that hangs writes nothing. One that is only slow, on a busy or an emulated machine, has
+/// written something by then.
 pub const MINUTE: Duration = Duration::from_secs(60);
 
-/// Runs this in a thread. The test fails if it takes more than a minute, as it does if a program hangs.
-pub fn within_a_minute<T: Send + 'static>(run: impl FnOnce() -> T + Send + 'static) -> T {
-    let (sender, receiver) = mpsc::channel();
+/// How long anything may take.
+pub const LIMIT: Duration = Duration::from_secs(600);
+
+/// Runs this in a thread. The test fails if it takes ten minutes, as it does if a program hangs.
+pub fn in_time<T: Send + 'static>(run: impl FnOnce() -> T + Send + 'static) -> T {
+    let (sender, receiver) = channel();
     thread::spawn(move || sender.send(run()));
-    let result = receiver.recv_timeout(MINUTE);
-    result.expect("there is a panic above, or something hangs")
+    receiver.recv_timeout(LIMIT).expect("there is a panic above, or something hangs")
+}
+
+/// Reads a pipe to its end. The test fails if nothing comes for a minute.
+fn read_all(mut pipe: impl Read + Send + 'static) -> String {
+    let (sender, receiver) = channel();
+    thread::spawn(move || {
+        let mut buffer = vec![0; 1 << 16];
+        while let count @ 1.. = pipe.read(&mut buffer).unwrap() {
+            let _ = sender.send(buffer[..count].to_vec());
+        }
+    });
+    let mut bytes = Vec::new();
+    loop {
+        match receiver.recv_timeout(MINUTE) {
+            Ok(more) => bytes.extend(more),
+            Err(RecvTimeoutError::Disconnected) => return String::from_utf8(bytes).unwrap(),
+            Err(RecvTimeoutError::Timeout) => panic!("nothing has come for a minute"),
+        }
+        assert!(bytes.len() < MOST_BYTES, "the program does not stop writing");
+    }
 }
 
 /// A program that is killed if its test ends before it.
@@ -35,11 +58,9 @@ impl Program {
 
     /// Waits for the program's end. Returns its exit code, the rest of what it has written, and its message.
     pub fn output(mut self) -> (Option<i32>, String, String) {
-        let (stdout, stderr) = (self.0.stdout.take(), self.0.stderr.take().unwrap());
-        let (written, message) = within_a_minute(move || {
-            let written = stdout.map(|pipe| read_to_string(pipe.take(MOST_BYTES)).unwrap());
-            (written.unwrap_or_default(), read_to_string(stderr).unwrap())
-        });
+        let written = self.0.stdout.take().map(read_all).unwrap_or_default();
+        let stderr = self.0.stderr.take().unwrap();
+        let message = in_time(|| read_to_string(stderr).unwrap());
         (self.0.wait().unwrap().code(), written, message)
     }
 }

@@ -2,8 +2,10 @@
 
 use std::cell::RefCell;
 use std::fs::{DirEntry, File, read_dir, read_to_string};
-use std::io::{Read, Write};
+use std::io::Write;
 use std::num::NonZeroU16;
+use std::os::unix::process::ExitStatusExt;
+use std::process;
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -11,17 +13,16 @@ use std::time::{Duration, Instant};
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, SlavePty, native_pty_system};
 use rustix::fs::{self, Mode, OFlags};
 use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, kill_process_group, setrlimit};
-use rustix::termios;
 use vt100::{Parser, Screen};
 
-use super::program::{MINUTE, within_a_minute};
+use super::program::{LIMIT, MINUTE, in_time};
 
 pub struct Pty {
     /// The side of the terminal that the person sees. `None` after the person has hung up.
     master: Option<Box<dyn MasterPty + Send>>,
     /// The side of the program. It is kept here, because a terminal that no program has open is closed.
     _slave: Box<dyn SlavePty + Send>,
-    child: RefCell<Box<dyn Child + Send + Sync>>,
+    child: RefCell<Box<process::Child>>,
     keys: Option<Arc<Mutex<dyn Write + Send>>>,
     seen: Arc<Mutex<Seen>>,
     /// The terminal's settings before the program started.
@@ -29,8 +30,7 @@ pub struct Pty {
 }
 
 /// A terminal that, like Vim's, has room for one saved cursor: each `ESC[?1049h` overwrites it. And as in
-/// xterm, both screens have the same scroll margins. vt100 has a saved cursor and margins for each
-/// screen, and does not know code 1047, which switches screens without saving a cursor.
+/// xterm, both screens have the same scroll margins. vt100 has a saved cursor and margins for each screen.
 struct Seen {
     terminal: Parser,
     saved_cursor: (u16, u16),
@@ -59,8 +59,6 @@ impl Seen {
             } else if self.bytes.ends_with(b"\x1b[?1049h") {
                 self.saved_cursor = cursor;
                 self.terminal.process(&self.margins);
-            } else if self.bytes.ends_with(b"\x1b[?1047h") {
-                self.terminal.process(b"\x1b[?47h");
             } else if self.bytes.ends_with(b"\x1b[?1049l") {
                 self.terminal.process(&self.margins);
                 let (row, column) = self.saved_cursor;
@@ -70,30 +68,10 @@ impl Seen {
     }
 }
 
-pub struct Job {
-    pub pid: Pid,
-    /// Whether all its threads are stopped.
-    pub is_stopped: bool,
-    /// The processor time so far, of the user and of the system, in hundredths of a second.
-    pub ticks: [u32; 2],
-}
-
-/// A terminal's modes and special characters.
-fn settings(terminal: &File) -> String {
-    format!("{:?}", termios::tcgetattr(terminal).unwrap())
-}
-
-fn tty_name(master: &dyn MasterPty) -> String {
-    master.tty_name().unwrap().to_str().unwrap().to_string()
-}
-
-fn open(path: &str, flags: OFlags) -> File {
-    // Without NOCTTY, this could become the terminal that the tests themselves are run from.
-    fs::open(path, flags | OFlags::RDWR | OFlags::NOCTTY, Mode::empty()).unwrap().into()
-}
-
+/// The size of the screen. A terminal that does not know its size has one all the same.
 fn rows_and_columns((columns, rows): (u16, u16)) -> (NonZeroU16, NonZeroU16) {
-    (rows.try_into().unwrap_or(NonZeroU16::MIN), columns.try_into().unwrap_or(NonZeroU16::MIN))
+    let (columns, rows) = if columns > 0 && rows > 0 { (columns, rows) } else { (80, 24) };
+    (rows.try_into().unwrap(), columns.try_into().unwrap())
 }
 
 fn pty_size((cols, rows): (u16, u16)) -> PtySize {
@@ -112,46 +90,16 @@ impl Pty {
     pub fn start_reading(&self, bytes: usize, pause: Duration) {
         let mut reader = self.master().try_clone_reader().unwrap();
         let seen = Arc::downgrade(&self.seen);
+        let mut buffer = vec![0; bytes];
         thread::spawn(move || {
-            while seen.upgrade().is_some_and(|seen| Pty::read_once(&seen, &mut reader, bytes) > 0) {
+            // After the end, nobody can write any more.
+            while let count @ 1.. = reader.read(&mut buffer).unwrap_or(0)
+                && let Some(seen) = seen.upgrade()
+            {
+                seen.lock().unwrap().add(&buffer[..count]);
                 thread::sleep(pause);
             }
         });
-    }
-
-    /// Writes to the terminal, as another program might, until the result is called or dropped.
-    pub fn start_writing(&self, bytes: usize) -> impl FnOnce() + use<> {
-        let (mut terminal, is_wanted) = (self.open(), Arc::new(()));
-        let wanted = Arc::downgrade(&is_wanted);
-        let writer = thread::spawn(move || {
-            while wanted.strong_count() > 0 {
-                terminal.write_all(&vec![0; bytes]).unwrap();
-            }
-        });
-        move || {
-            drop(is_wanted);
-            writer.join().unwrap();
-        }
-    }
-
-    /// Reads what the program writes until something comes true, and then no more.
-    pub fn read_until(&self, is_true: impl Fn(&Pty) -> bool) {
-        self.wait_for("what is read", |pty| {
-            let (seen, mut reader) = (pty.seen.clone(), pty.master().try_clone_reader().unwrap());
-            let read = move || Pty::read_once(&seen, &mut reader, 1000);
-            is_true(pty) || {
-                assert_ne!(within_a_minute(read), 0, "nobody can write any more");
-                false
-            }
-        });
-    }
-
-    /// How many bytes have been read. 0 if nobody can write any more.
-    fn read_once(seen: &Mutex<Seen>, reader: &mut dyn Read, bytes: usize) -> usize {
-        let mut buffer = vec![0; bytes];
-        let count = reader.read(&mut buffer).unwrap_or(0);
-        seen.lock().unwrap().add(&buffer[..count]);
-        count
     }
 
     /// Runs a program on a terminal that does not read its output, until `start_reading` is called.
@@ -159,7 +107,6 @@ impl Pty {
         let pair = native_pty_system().openpty(pty_size(size)).unwrap_or_else(|error| {
             panic!("this test needs a pseudo-terminal, and this machine gives it none: {error}")
         });
-        let settings = settings(&open(&tty_name(&*pair.master), OFlags::empty()));
         let mut command = CommandBuilder::new(program);
         command.args(arguments);
         // By default, this would be the home folder, which a build machine may lack.
@@ -170,7 +117,8 @@ impl Pty {
         for (name, value) in [("TERM", "xterm"), ("LC_ALL", "C"), ("HISTFILE", "")] {
             command.env(name, value);
         }
-        let child = pair.slave.spawn_command(command).unwrap();
+        let settings = format!("{:?}", pair.master.get_termios());
+        let child: Box<dyn Child> = pair.slave.spawn_command(command).unwrap();
         let keys = pair.master.take_writer().unwrap();
         let (rows, columns) = rows_and_columns(size);
         let terminal = Parser::new(rows, columns, 1000);
@@ -179,7 +127,7 @@ impl Pty {
         Pty {
             master: Some(pair.master),
             _slave: pair.slave,
-            child: RefCell::new(child),
+            child: RefCell::new(child.downcast().unwrap()),
             keys: Some(Arc::new(Mutex::new(keys))),
             seen,
             settings,
@@ -193,7 +141,7 @@ impl Pty {
     /// Types on the keyboard. This panics if the program reads no keys until the terminal takes no more.
     pub fn type_bytes(&self, bytes: &[u8]) {
         let (keys, bytes) = (self.keys.clone().unwrap(), bytes.to_vec());
-        within_a_minute(move || keys.lock().unwrap().write_all(&bytes)).unwrap();
+        in_time(move || keys.lock().unwrap().write_all(&bytes)).unwrap();
     }
 
     pub fn resize(&self, size: (u16, u16)) {
@@ -215,7 +163,7 @@ impl Pty {
     }
 
     pub fn pid(&self) -> Pid {
-        Pid::from_raw(self.child.borrow().process_id().unwrap() as i32).unwrap()
+        Pid::from_child(&self.child.borrow())
     }
 
     /// Sends a signal to the program's process group.
@@ -224,59 +172,49 @@ impl Pty {
         kill_process_group(self.pid(), signal).unwrap();
     }
 
-    /// The child of a process. `None` if it has ended.
-    pub fn child_of(parent: Pid) -> Option<Job> {
+    /// The process that the program runs: for a shell, its job. `None` if it has ended.
+    pub fn job(&self) -> Option<Pid> {
         read_dir("/proc").unwrap().flatten().find_map(|process| {
             let stat = read_to_string(process.path().join("stat")).ok()?;
-            // A number, a name in parentheses, the state, and more numbers: see `man 5 proc`.
-            let (pid, rest) = stat.split_once(" (")?;
-            let (_, rest) = rest.rsplit_once(") ")?;
-            let fields: Vec<_> = rest.split(' ').collect();
-            let is_child = fields[1] == parent.to_string() && fields[0] != "Z";
-            // A thread that is not stopped yet might still wait for a key, see what is typed for the
-            // shell, and read it in the background, which would stop the program once more.
-            let is_stopped = |thread: DirEntry| {
-                let stat = read_to_string(thread.path().join("stat"));
-                stat.is_ok_and(|stat| stat.contains(") T "))
-            };
-            is_child.then(|| Job {
-                pid: Pid::from_raw(pid.parse().unwrap()).unwrap(),
-                is_stopped: read_dir(process.path().join("task"))
-                    .is_ok_and(|mut threads| threads.all(|thread| thread.is_ok_and(is_stopped))),
-                ticks: [fields[11], fields[12]].map(|ticks| ticks.parse().unwrap()),
-            })
+            // A number, a name in parentheses, the state, the parent's number, and more: see `man 5 proc`.
+            let (pid, _) = stat.split_once(' ')?;
+            let (state, rest) = stat.rsplit_once(") ")?.1.split_once(' ')?;
+            let is_child = state != "Z" && rest.starts_with(&format!("{} ", self.pid()));
+            is_child.then(|| Pid::from_raw(pid.parse().unwrap()).unwrap())
         })
     }
 
-    /// The process that the program runs: for a shell, its job. `None` if it has ended.
-    pub fn job(&self) -> Option<Job> {
-        Pty::child_of(self.pid())
-    }
-
-    /// Whether the process that the program runs is stopped.
+    /// Whether all threads of the process that the program runs are stopped.
     pub fn is_stopped(&self) -> bool {
-        self.job().is_some_and(|job| job.is_stopped)
+        // A thread that is not stopped yet might still wait for a key, see what is typed for the shell, and
+        // read it in the background, which would stop the program once more.
+        let is_stopped = |thread: DirEntry| {
+            let stat = read_to_string(thread.path().join("stat"));
+            stat.is_ok_and(|stat| stat.contains(") T "))
+        };
+        self.job()
+            .and_then(|job| read_dir(format!("/proc/{job}/task")).ok())
+            .is_some_and(|mut threads| threads.all(|thread| thread.is_ok_and(is_stopped)))
     }
 
-    /// Sends a signal to the process that the program runs, or to the program itself if it runs none.
+    /// Sends a signal to the process that the program runs.
     #[track_caller]
     pub fn signal_job(&self, signal: Signal) {
-        kill_process(self.job().map_or(self.pid(), |job| job.pid), signal).unwrap();
+        kill_process(self.job().unwrap(), signal).unwrap();
     }
 
-    pub fn path(&self) -> String {
-        tty_name(self.master())
-    }
-
-    /// Opens the terminal as another program would.
+    /// Opens the terminal as another program would. A write there fails instead of waiting.
     pub fn open(&self) -> File {
-        open(&self.path(), OFlags::empty())
+        let path = self.master().tty_name().unwrap();
+        // Without NOCTTY, this could become the terminal that the tests themselves are run from.
+        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK;
+        fs::open(path, flags, Mode::empty()).unwrap().into()
     }
 
     /// Waits until the program has written all that the terminal holds while nobody reads it.
     #[track_caller]
     pub fn wait_until_full(&self) {
-        let terminal = open(&self.path(), OFlags::NONBLOCK);
+        let terminal = self.open();
         // A terminal that is full takes no more NULs, which do not show, either. Nor does one take any
         // while another program is inside its write, so it is tried several times.
         self.wait_for("a full terminal", |_| {
@@ -300,31 +238,23 @@ impl Pty {
         })
     }
 
-    /// The lines that have scrolled up and off the screen, without the blanks at their ends.
-    pub fn scrollback(&self) -> Vec<String> {
-        let mut seen = self.seen.lock().unwrap();
-        let screen = seen.terminal.screen_mut();
-        let (_, columns) = screen.size();
-        let lines = (1..=screen.scrollback_len()).rev().map(|distance| {
-            screen.set_scrollback(distance);
-            screen.rows(0, columns.get()).next().unwrap().trim_end().to_string()
-        });
-        let lines = lines.collect();
-        screen.set_scrollback(0);
-        lines
-    }
-
     /// All that the program has written so far, escape codes included.
     pub fn written(&self) -> String {
         String::from_utf8(self.seen.lock().unwrap().bytes.clone()).unwrap()
     }
 
-    /// Waits until something is true. `what` names it, in case the wait is in vain.
+    /// Waits until something is true. Gives up if nothing is written for a minute, or after ten minutes.
+    /// `what` names it then.
     #[track_caller]
     pub fn wait_for(&self, what: &str, is_true: impl Fn(&Pty) -> bool) {
         let start = Instant::now();
+        let (mut length, mut last_write) = (0, start);
         while !is_true(self) {
-            let is_late = start.elapsed() > MINUTE;
+            let new_length = self.seen.lock().unwrap().bytes.len();
+            if new_length != length {
+                (length, last_write) = (new_length, Instant::now());
+            }
+            let is_late = last_write.elapsed() > MINUTE || start.elapsed() > LIMIT;
             assert!(!is_late, "{what} never came true:\n{}", self.lines().join("\n"));
             thread::sleep(Duration::from_millis(5));
         }
@@ -335,57 +265,46 @@ impl Pty {
     }
 
     /// Waits for the program to end with what a shell would call this exit code, and until all that it has
-    /// written is read. The terminal has to be as it was.
+    /// written is read. Cursor, screen, colour, synchronized updates and settings have to be as they were at
+    /// the start.
     #[track_caller]
-    pub fn assert_ends(&self, code: u32) {
+    pub fn assert_ends(&self, code: i32) {
         assert_eq!(self.wait_for_exit(), code);
         self.wait_for_output();
-        self.assert_restored();
+        assert!(self.is_shells_screen(), "the cursor is hidden, or the alternate screen is there");
+        assert_eq!(self.screen(Screen::fgcolor), vt100::Color::Default);
+        let written = self.written();
+        // Where there was no update, both are `None`.
+        assert!(written.rfind("\x1b[?2026h") <= written.rfind("\x1b[?2026l"), "an update is open");
+        assert!(!self.has_changed_settings());
     }
 
     /// Waits until all that has been written so far is read.
     #[track_caller]
-    pub fn wait_for_output(&self) {
+    fn wait_for_output(&self) {
         // A terminal ignores this byte. What has been written before is read before it.
         const END: u8 = 6;
-        let mut terminal = self.open();
-        within_a_minute(move || terminal.write_all(&[END])).unwrap();
+        self.wait_for("room for a byte", |pty| pty.open().write(&[END]).is_ok());
         self.wait_for("the end of the output", |pty| pty.seen.lock().unwrap().bytes.contains(&END));
         self.seen.lock().unwrap().bytes.retain(|&byte| byte != END);
     }
 
     /// Waits for the program to end. Returns what a shell would call its exit code.
     #[track_caller]
-    pub fn wait_for_exit(&self) -> u32 {
+    pub fn wait_for_exit(&self) -> i32 {
         self.wait_for("the program's end", |pty| !pty.is_running());
         let status = self.child.borrow_mut().wait().unwrap();
-        let signals = [("Hangup", 129), ("Interrupt", 130), ("Quit", 131), ("Terminated", 143)];
-        status.signal().map_or(status.exit_code(), |name| {
-            let signal = signals.iter().find(|signal| name.starts_with(signal.0));
-            signal.unwrap_or_else(|| panic!("{name} ended it")).1
-        })
+        status.code().unwrap_or_else(|| 128 + status.signal().unwrap())
     }
 
-    /// Asserts that cursor, screen, colour, synchronized updates and settings are as they were at the start.
-    #[track_caller]
-    pub fn assert_restored(&self) {
-        let (hidden, alternate) = self.screen(|s| (s.hide_cursor(), s.alternate_screen()));
-        assert!(!hidden, "the cursor is hidden");
-        assert!(!alternate, "the alternate screen is still there");
-        assert_eq!(self.screen(Screen::fgcolor), vt100::Color::Default);
-        let written = self.written();
-        // Where there was no update, both are `None`.
-        assert!(written.rfind("\x1b[?2026h") <= written.rfind("\x1b[?2026l"), "an update is open");
-        self.assert_settings_restored();
+    /// Whether the screen is the shell's, with the cursor.
+    pub fn is_shells_screen(&self) -> bool {
+        self.screen(|screen| !screen.alternate_screen() && !screen.hide_cursor())
     }
 
-    #[track_caller]
-    pub fn assert_settings_restored(&self) {
-        assert_eq!(settings(&self.open()), self.settings);
-    }
-
+    /// Whether the terminal's modes and special characters are not what they were before the program started.
     pub fn has_changed_settings(&self) -> bool {
-        settings(&self.open()) != self.settings
+        format!("{:?}", self.master().get_termios()) != self.settings
     }
 }
 
