@@ -4,11 +4,11 @@
 
 mod program;
 
-use std::fs;
 use std::io::Read;
 use std::process::{Command, Stdio};
+use std::{env, fs};
 
-use program::{Program, frames, within_a_minute};
+use program::{Program, frames, in_time};
 use sha2::{Digest, Sha256};
 
 fn output_of(options: &str) -> String {
@@ -22,8 +22,14 @@ fn sha256(text: &str) -> String {
     Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// An x86 without SSE2 rounds the numbers of classic otherwise than donut.c on all other processors.
+const ROUNDS_AS_DONUT_C: bool = cfg!(any(not(target_arch = "x86"), target_feature = "sse2"));
+
 /// Compares a frame with the one stored under this name. If the two differ, the message shows both.
 fn assert_golden(name: &str, frame: &str) {
+    if !ROUNDS_AS_DONUT_C && !name.starts_with("exact") {
+        return;
+    }
     let path = format!("{}/tests/golden/{name}.txt", env!("CARGO_MANIFEST_DIR"));
     let golden = fs::read_to_string(path).unwrap();
     assert!(frame == golden, "{name}\nexpected:\n{golden}\ndrawn:\n{frame}");
@@ -45,7 +51,17 @@ fn the_first_10000_frames_are_those_recorded_from_donut_c() {
     // The SHA-256 of what donut.c writes after the `ESC [ 2 J` at its start, in its first 10,000 frames.
     // donut.c was compiled by `gcc -std=gnu89 -O2` on x86-64.
     let expected = "351752a14d2a6de405e84f614d4011f429dc0350d84a4b233d52b7aecae65ff8";
-    assert_eq!(sha256(&stream[4..]), expected);
+    assert!(sha256(&stream[4..]) == expected || !ROUNDS_AS_DONUT_C);
+}
+
+/// donut.c's last 32 steps, which it reaches after nearly nine days: from A = 2^20 on, adding 0.04 changes
+/// nothing. The frame was recorded from donut.c, started close to its end.
+#[test]
+fn in_the_end_donut_c_stands_still() {
+    let stream = output_of("-A 1048574 -B 524287 --frames=50 --fps=0");
+    let frames = frames(&stream);
+    assert_eq!(frames.windows(2).rposition(|pair| pair[0] != pair[1]), Some(31));
+    assert_golden("donut.c-frame-22918663", frames[49]);
 }
 
 /// tests/unit/donut.rs is a program as well. It never ends by itself.
@@ -53,14 +69,21 @@ fn the_first_10000_frames_are_those_recorded_from_donut_c() {
 fn the_donut_shaped_source_is_a_program_that_writes_donut_cs_frames() {
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/unit/donut.rs");
     let program = concat!(env!("CARGO_TARGET_TMPDIR"), "/donut-shaped");
-    let rustc =
-        Command::new("rustc").args(["--edition=2024", "-O", "-o", program, source]).status();
-    assert!(rustc.unwrap().success());
+    let rustc = env::var("RUSTC").unwrap_or("rustc".into());
+    let version = Command::new(&rustc).arg("--version").output().map(|output| output.stdout);
+    let version = String::from_utf8(version.unwrap_or_default()).unwrap();
+    // The edition of 2024 came with Rust 1.85.
+    let is_new = version.split('.').nth(1).and_then(|minor| minor.parse().ok()) >= Some(85);
+    if !is_new || !ROUNDS_AS_DONUT_C {
+        return println!("skipped: {rustc} is missing or too old, or this is an x86 without SSE2");
+    }
+    let options = ["--edition=2024", "-O", "-o", program, source];
+    assert!(Command::new(&rustc).args(options).status().unwrap().success());
     let mut shaped = Program::start(program, "", Stdio::piped());
     let expected = output_of("--frames=5 --fps=0");
     let mut written = vec![0; expected.len()];
     let mut pipe = shaped.0.stdout.take().unwrap();
-    let written = within_a_minute(move || pipe.read_exact(&mut written).map(|()| written));
+    let written = in_time(move || pipe.read_exact(&mut written).map(|()| written));
     assert!(written.unwrap() == expected.as_bytes());
 }
 

@@ -8,24 +8,25 @@ mod aspect;
 // Which cells an unstable method gets wrong depends on how the system rounds sines, cosines and roots.
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod chart;
+// Without SSE2, classic rounds otherwise than donut.c.
+#[cfg(any(not(target_arch = "x86"), target_feature = "sse2"))]
 mod classic;
 mod dist;
 #[rustfmt::skip]
 #[allow(dead_code, reason = "it is a program, too")]
 mod donut;
 mod exact;
-mod one_ray;
 mod oracle;
 #[cfg(target_os = "linux")]
 mod panic;
 #[path = "../program/mod.rs"]
-#[allow(dead_code, reason = "these tests do not run the program")]
+#[allow(dead_code, reason = "tests/cli.rs and tests/golden.rs use the rest")]
 mod program;
+mod search;
 
 use super::*;
-use one_ray::{Ray, look_in_row};
 use oracle::{Oracle, Verdict, differ, level_of};
-use program::within_a_minute;
+use program::in_time;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fs;
 
@@ -50,12 +51,12 @@ fn assert_current(name: &str, contents: &str) {
 
 /// donut.c's view, with each cell divided into `scale` by `scale` cells.
 fn enlarged(scale: usize) -> View {
-    let View { r2, k2, width, height, .. } = View::DONUT_C;
-    let [cx, cy, k1x, k1y] = [40.0, 12.0, 30.0, 15.0].map(|value| scale as f64 * value);
+    let View { r2, k2, width, height, cx, cy, k1x, k1y } = View::DONUT_C;
+    let [cx, cy, k1x, k1y] = [cx, cy, k1x, k1y].map(|number| scale as f64 * number);
     View { r2, k2, width: scale * width, height: scale * height, cx, cy, k1x, k1y }
 }
 
-/// The program's view of donut.c's donut in a picture that shows so many columns and rows.
+/// The program's view of donut.c's donut in a picture of another size.
 fn fitted(columns: usize, rows: usize) -> View {
     View::fitted(columns, rows, 2.0, 2.0, 5.0)
 }
@@ -65,10 +66,11 @@ fn direction(view: &View, x: f64, y: f64) -> (f64, f64) {
     ((x - view.cx) / view.k1x, (y - view.cy) / view.k1y)
 }
 
-/// The cells of a picture but those of its margin, column 0 and row 0: for each, its index, the direction of the ray through its centre, and what the oracle sees there.
+/// The cells of a picture: for each, its index, the direction of the ray through its centre, and what the
+/// oracle sees there.
 fn cells(view: &View, oracle: &Oracle) -> impl Iterator<Item = (usize, (f64, f64), Option<f64>)> {
     let columns_and_rows =
-        (1..view.height).flat_map(|row| (1..view.width).map(move |column| (column, row)));
+        (0..view.height).flat_map(|row| (0..view.width).map(move |column| (column, row)));
     columns_and_rows.map(|(column, row)| {
         let (dx, dy) = direction(view, column as f64 + 0.5, row as f64 + 0.5);
         (row * view.width + column, (dx, dy), oracle.look(dx, dy))
@@ -88,7 +90,7 @@ fn donut_c_poses(count: usize) -> Vec<(f64, f64)> {
 }
 
 fn draw(method: Method, view: View, a: f64, b: f64) -> Vec<u8> {
-    within_a_minute(move || {
+    in_time(move || {
         let mut renderer = Renderer::new(view, method);
         renderer.render_frame(a, b);
         renderer.framebuffer
