@@ -626,13 +626,11 @@ impl Quartic {
 
 // ---- Options -------------------------------------------------------------------------------------
 
-/// A spinning ASCII donut: donut.c's at 80x22, otherwise ray-traced
+/// A spinning ASCII donut for your terminal
 ///
-/// On a terminal the donut fills the window and spins until you press q. In a
-/// pipe or a file, each frame is written as donut.c writes it, escape codes
-/// included. The size is then 80x22 unless you set another, and the donut spins
-/// until you press Ctrl-C or the reader of the pipe goes away, or for as many
-/// frames as --frames says.
+/// The donut fills the window and spins until you press q. In a pipe or a file,
+/// frames are written as donut.c writes them, escape codes included. There, the
+/// picture is 80x22 unless you set another size, and Ctrl-C ends it.
 #[derive(Parser)]
 #[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
 // A later option overrides an earlier one, such as one from `alias donut='donut --color cyan'`.
@@ -643,8 +641,9 @@ impl Quartic {
 struct Options {
     /// Frames per second; 0 means no limit
     ///
-    /// From 0 to 1000. Without --spin, the donut spins as fast at other rates
-    /// as at 30, only more or less smoothly; but with 0, as fast as it can.
+    /// From 0 to 1000. A higher rate is smoother, not faster: for the speed,
+    /// see --spin. But with 0, the donut spins as fast as it can. Pipes and
+    /// files get frames at the same rate.
     #[arg(long, help_heading = "Motion", value_name = "N", verbatim_doc_comment)]
     #[arg(default_value = "30", value_parser = within("a number", 0.0..=1000.0))]
     fps: f64,
@@ -658,41 +657,45 @@ struct Options {
     frames: Option<u32>,
 
     /// Rotation from one frame to the next, in radians
-    /// [default: 0.04,0.02 at --fps 30; as fast at others]
+    /// [default: 0.04,0.02 at 30 frames a second]
     ///
-    /// DA is added to the angle A, and DB to the angle B.
-    /// Both are from -1000 to 1000.
+    /// DA is added to the angle A, and DB to B. Both are from -1000 to 1000.
+    /// Smaller is slower: 0.01,0.005 is a quarter of the usual speed. The
+    /// default is adjusted to --fps; your own numbers are used as they are.
     #[arg(long, help_heading = "Motion", value_name = "DA,DB", verbatim_doc_comment)]
     #[arg(value_parser = parse_angles, allow_hyphen_values = true)]
     spin: Option<[f64; 2]>,
 
     /// Angle A of the first frame, in radians
     ///
-    /// A rotates the donut about the x axis, which points right.
-    /// From -1000 to 1000.
+    /// At 0, you look straight through the hole. A tilts the donut about the
+    /// horizontal; at 1.57, you see it from the side.
+    /// From -2000000 to 2000000.
     #[arg(short = 'A', help_heading = "Motion", value_name = "RAD", verbatim_doc_comment)]
     #[arg(default_value = "0", value_parser = within("a number", ANGLES), allow_hyphen_values = true)]
     a: f64,
 
     /// Angle B of the first frame, in radians
     ///
-    /// B comes after A, and is about the z axis, which points away from you.
-    /// It rotates the axis of A as well, so only z is fixed on the screen.
-    /// From -1000 to 1000.
+    /// B then turns the donut clockwise on the screen.
+    /// From -2000000 to 2000000.
     #[arg(short = 'B', help_heading = "Motion", value_name = "RAD", verbatim_doc_comment)]
     #[arg(default_value = "0", value_parser = within("a number", ANGLES), allow_hyphen_values = true)]
     b: f64,
 
     /// How to draw [default: classic for donut.c's picture,
     /// exact for others]
+    ///
+    /// donut.c is the C program of 2006. Its picture has 80x22 characters.
     #[arg(long, help_heading = "Look", value_enum, verbatim_doc_comment)]
     method: Option<Method>,
 
-    /// Colour: a name, 0 to 255, or '#rrggbb'
+    /// Colour: a name, such as cyan, or 0 to 255
     ///
-    /// The # may be left out. The names are black, dark_grey, grey, white,
-    /// red, green, yellow, blue, magenta, cyan, dark_red, dark_green,
-    /// dark_yellow, dark_blue, dark_magenta and dark_cyan.
+    /// The names are black, dark_grey, grey, white, red, green, yellow, blue,
+    /// magenta, cyan, dark_red, dark_green, dark_yellow, dark_blue,
+    /// dark_magenta and dark_cyan. The numbers are those of the 256 colours
+    /// that most terminals know; 208 is orange.
     #[arg(long, alias = "colour", help_heading = "Look", verbatim_doc_comment)]
     #[arg(value_parser = parse_color)]
     color: Option<Color>,
@@ -704,7 +707,7 @@ struct Options {
     #[arg(value_parser = within("an integer", 1..=MAX_SIZE))]
     width: Option<u16>,
 
-    /// Rows [default: all but 1, or 22 in a pipe and in 80x24]
+    /// Rows [default: all but 1; 22 in a pipe or in 80x24]
     ///
     /// From 1 to 4096. On a terminal, at most its rows minus 1, because the
     /// cursor needs one, but at least 1.
@@ -722,17 +725,18 @@ struct Options {
 
     /// Radius of the ring, in tube radii
     ///
-    /// From 1.01 to 30. The ring is the circle in the middle of the tube, all
-    /// round the hole.
+    /// From 1.01 to 30. Larger is thinner: 2 is a donut, and 8 a thin ring.
+    /// The ring is the circle in the middle of the tube, all round the hole.
     #[arg(long, help_heading = "Geometry", value_name = "R", verbatim_doc_comment)]
     #[arg(default_value_t = View::DONUT_C.r2, value_parser = within("a number", R2_RANGE))]
     r2: f64,
 
     /// Distance to the donut's centre, in tube radii
-    /// [default: 5 (1 + R) / 3, where R is --r2]
+    /// [default: 5; with another --r2 R, 5 (1 + R) / 3]
     ///
-    /// At least 1.01 more than --r2, and at most 1000000. The donut is scaled
-    /// to fit, so a greater distance flattens the perspective.
+    /// At least 1.01 more than --r2, and at most 1000000. A greater distance
+    /// flattens the perspective, and the donut moves up and down less as it
+    /// turns. It is scaled to fit at any distance.
     #[arg(long, help_heading = "Geometry", value_name = "D", verbatim_doc_comment)]
     #[arg(value_parser = within("a number", K2_RANGE))]
     k2: Option<f64>,
@@ -742,20 +746,24 @@ const AFTER_HELP: &str = "Keys:
   q, Esc, Ctrl-C  quit
   space, p        pause or resume
   arrow keys      turn the donut
-  m               change the method (only with donut.c's --r2 and --k2)
-  s               turn the shading off or on
+  m               change the method (not with another --r2 or --k2)
+  s               turn the shading off (all dots) or on
   Ctrl-L          draw the screen again
   Ctrl-Z          suspend (not on Windows)
 
 Examples:
-  donut --fps 60 --color cyan   # smoother, and in colour
-  donut --spin 0,0              # stands still until an arrow key turns it";
+  donut --fps 60 --color cyan     # smoother, and in colour
+  donut --spin 0,0                # stands still until an arrow key turns it
+  donut --r2 8 --spin 0.01,0.005  # a thin ring that spins slowly
+  donut --frames 1 | tail -c +8 > donut.txt   # one picture, as plain text";
 
 const MAX_SIZE: u16 = 4096;
-const ANGLES: RangeInclusive<f64> = -1e3..=1e3;
+// Every frame of donut.c can be asked for: its A stops growing at 2^20, and its B at 2^19.
+const ANGLES: RangeInclusive<f64> = -2e6..=2e6;
+const SPINS: RangeInclusive<f64> = -1e3..=1e3;
 const ASPECTS: RangeInclusive<f64> = 0.1..=10.0;
-/// The least K2 - R2. When the donut is edge-on, the ring comes so near to the viewer, and the tube within
-/// 0.01.
+/// The least K2 - R2. When the donut is edge-on, the ring comes this near to the viewer, and the tube,
+/// nearer by R1, within 0.01.
 const NEAREST: f64 = 1.01;
 // Beyond these, the hole or the tube is too small to see in most pictures.
 const R2_RANGE: RangeInclusive<f64> = 1.01..=30.0;
@@ -773,24 +781,19 @@ fn within<T: Copy + Display + FromStr + PartialOrd>(
 }
 
 fn parse_angles(text: &str) -> Result<[f64; 2], String> {
-    let expected = "expected two angles with a comma between them, such as 0.04,0.02";
-    let (a, b) = text.split_once(',').ok_or(expected)?;
-    let angle = within("a number", ANGLES);
-    Ok([angle(a.trim())?, angle(b.trim())?])
+    let angle = |text: &str| within("a number", SPINS)(text.trim()).ok();
+    let angles = text.split_once(',').and_then(|(a, b)| Some([angle(a)?, angle(b)?]));
+    let (least, most) = (SPINS.start(), SPINS.end());
+    angles.ok_or(format!("expected two numbers from {least} to {most}, such as 0.04,0.02"))
 }
 
 fn parse_color(text: &str) -> Result<Color, String> {
-    let hex = text.strip_prefix('#').unwrap_or(text);
-    if hex.len() == 6 && hex.bytes().all(|digit| digit.is_ascii_hexdigit()) {
-        let [r, g, b] = [0, 2, 4].map(|i| u8::from_str_radix(&hex[i..i + 2], 16).unwrap());
-        return Ok(Color::Rgb { r, g, b });
-    }
     if let Ok(number) = text.parse() {
         return Ok(Color::AnsiValue(number));
     }
     let name = text.to_lowercase().replace("gray", "grey").replace(['-', ' '], "_");
     let color = Color::try_from(name.as_str()).ok().filter(|&color| color != Color::Reset);
-    color.ok_or("expected a name from --help, 0 to 255, or '#rrggbb'".into())
+    color.ok_or("expected a name from --help, such as cyan, or a number from 0 to 255".into())
 }
 
 /// The terminal's size, and the aspect of its cells.
