@@ -1,7 +1,7 @@
-//! How long each method takes for a frame, and how many of its cells are wrong; and the pictures and the
-//! tables of the README and of the study, which is tests/chart/README.md.
+//! How long each method takes for a frame, and how many of its cells are wrong; the pictures of the README
+//! and of the study, which is tests/chart/README.md; and the tables of the study.
 //!
-//! The study has the commands that measure again. They write its CSV file, and all that follows from it.
+//! The study has the command that measures again. It writes its CSV file, and all that follows from it.
 
 mod average;
 mod film;
@@ -9,10 +9,8 @@ mod other_methods;
 mod picture;
 mod plot;
 
-use self::average::Average;
 use self::other_methods::*;
 use super::classic::{donut_c, with_steps};
-use super::one_ray::trace_one_by_one;
 use super::program::Program;
 use super::*;
 use std::collections::HashMap;
@@ -39,16 +37,14 @@ fn tracing(
     view: View,
     first_hits: impl Fn(&Torus, &Rays) -> f64x8 + Send + 'static,
 ) -> NamedMethod {
-    (name.into(), Box::new(move |a, b| trace_eight_by_eight(&view, a, b, &first_hits)))
-}
-
-/// A method that follows one ray after another. `hit` finds the s of a ray's first hit.
-fn ray_by_ray(
-    name: &str,
-    view: View,
-    hit: impl Fn(&Torus, &Ray) -> f64 + Send + 'static,
-) -> NamedMethod {
-    (name.into(), Box::new(move |a, b| trace_one_by_one(&view, a, b, &hit)))
+    let draw = move |a, b| {
+        let mut framebuffer = vec![b' '; view.width * view.height];
+        follow::<1>(&view, (a, b), &first_hits, |cell, luminance| {
+            framebuffer[cell] = glyph(luminance + TIE_BIAS);
+        });
+        framebuffer
+    };
+    (name.into(), Box::new(draw))
 }
 
 /// All methods that can draw a view.
@@ -62,27 +58,13 @@ fn methods(view: View) -> Vec<NamedMethod> {
         methods.push(("donut.c (translated)".into(), Box::new(translated)));
     }
     if (view.r2, view.k2) == (2.0, 5.0) {
-        let [theta, phi] = angle_steps(&view);
         methods.push(own_method("classic", Renderer::new(view, Method::Classic)));
-        for (name, factor) in [("x2", 2.0), ("x1/2", 0.5)] {
-            let renderer = with_steps(view, factor * theta, factor * phi);
-            methods.push(own_method(&format!("classic steps {name}"), renderer));
-        }
-    }
-    for n in [2, 3, 4] {
-        let draw = move |a, b| averaged(&view, a, b, n);
-        methods.push((format!("exact with {n} by {n} rays"), Box::new(draw)));
     }
     methods.extend([
+        ("exact with 2 by 2 rays".into(), Box::new(move |a, b| averaged::<2>(&view, a, b)) as _),
+        ("exact with 3 by 3 rays".into(), Box::new(move |a, b| averaged::<3>(&view, a, b)) as _),
         own_method("exact", Renderer::new(view, Method::Exact)),
-        // These two are measured in another build.
-        own_method("exact with AVX2", Renderer::new(view, Method::Exact)),
-        tracing("closed form with AVX2", view, closed_form),
-        ray_by_ray("exact one ray at a time", view, |torus, ray| {
-            ray.first_hit(ray.entry(torus.r2))
-        }),
         tracing("closed form", view, closed_form),
-        ray_by_ray("closed form one ray at a time", view, |_, ray| closed_form_alone(ray)),
         tracing("Newton from one start", view, newton_once),
         tracing("Ferrari f32", view, move |torus, rays| textbook_f32(torus, view.k2, rays)),
         tracing("Ferrari f64", view, move |torus, rays| textbook_f64(torus, view.k2, rays)),
@@ -100,7 +82,7 @@ fn count(
     view: View,
     poses: Vec<(f64, f64)>,
 ) -> Vec<(String, Tally)> {
-    within_a_minute(move || {
+    in_time(move || {
         let mut tallies: Vec<_> = methods.iter().map(|_| Tally::default()).collect();
         for (a, b) in poses {
             let pictures: Vec<_> = methods.iter_mut().map(|(_, draw)| draw(a, b)).collect();
@@ -124,24 +106,42 @@ fn sizes() -> [(&'static str, View, usize); 2] {
 /// of a series.
 type Time = [f64; 3];
 
-/// The contents of TIMES: a row for each method, with its time for a frame, and with what the two rules
-/// say.
+/// In frames 0 to 599 of donut.c's own motion, but the first and the last: how many cells show the donut, and
+/// how many flicker, because they show the same before and after, and something else in between.
+fn flicker(mut draw: impl FnMut(f64, f64) -> Vec<u8>) -> [usize; 2] {
+    let frames: Vec<_> = (0..600).map(f64::from).map(|n| draw(0.04 * n, 0.02 * n)).collect();
+    let (mut surface, mut flickering) = (0, 0);
+    for three in frames.windows(3) {
+        for ((before, now), after) in three[0].iter().zip(&three[1]).zip(&three[2]) {
+            surface += usize::from(*now != b' ');
+            flickering += usize::from(before == after && before != now);
+        }
+    }
+    [surface, flickering]
+}
+
+/// The contents of TIMES: a row for each method, with its time for a frame, with what the two rules say, and
+/// with what flickers.
 fn table_of_times(time: impl Fn(&str, &str) -> Time) -> String {
     let times = "us per frame,lowest,highest";
     let by_centre = "cells of the donut,wrong shades,extra outline,holes";
     let by_average = "cells of the average,different,far off";
-    let mut table = format!("size,method,{times},{by_centre},{by_average}\n");
+    let in_motion = "cells in motion,flickering";
+    let mut table = format!("size,method,{times},{by_centre},{by_average},{in_motion}\n");
     for (size, view, poses) in sizes() {
         let poses = donut_c_poses(poses);
+        let flickers = methods(view).into_iter().map(|(_, draw)| thread::spawn(|| flicker(draw)));
+        let flickers: Vec<_> = flickers.collect();
         let averages = average::count(methods(view), view, poses.clone());
-        for ((name, tally), average) in count(methods(view), view, poses).into_iter().zip(averages)
-        {
+        let tallies = count(methods(view), view, poses).into_iter();
+        for (((name, tally), average), flicker) in tallies.zip(averages).zip(flickers) {
             let [median, lowest, highest] = time(size, &name);
             table += &format!("{size},{name},{median:.1},{lowest:.1},{highest:.1}");
-            let Tally { surface, shades, extra, holes, .. } = tally;
-            table += &format!(",{surface},{shades},{extra},{holes}");
-            let Average { surface, different, far_off } = average;
-            table += &format!(",{surface},{different},{far_off}\n");
+            let by_centre = [tally.surface, tally.shades, tally.extra, tally.holes];
+            for count in by_centre.into_iter().chain(average).chain(flicker.join().unwrap()) {
+                table += &format!(",{count}");
+            }
+            table += "\n";
         }
     }
     table
@@ -226,14 +226,14 @@ fn machine() -> String {
     format!("- {model}\n- {rustc}\n- {gcc}\n- {library}\n")
 }
 
-/// A row of TIMES. Wrong and different cells are in per cent of those that show the donut.
+/// A row of TIMES. Wrong, different and flickering cells are in per cent of those that show the donut.
 struct Measured {
     name: String,
     time: Time,
-    holes: f64,
     wrong: f64,
     different: f64,
     far_off: f64,
+    flicker: f64,
 }
 
 fn measured(size: &str) -> Vec<Measured> {
@@ -244,10 +244,10 @@ fn measured(size: &str) -> Vec<Measured> {
         Measured {
             name: name.into(),
             time: [figures[0], figures[1], figures[2]],
-            holes: 100.0 * figures[6] / figures[3],
             wrong: 100.0 * figures[4..7].iter().sum::<f64>() / figures[3],
             different: 100.0 * figures[8] / figures[7],
             far_off: 100.0 * figures[9] / figures[7],
+            flicker: 100.0 * figures[11] / figures[10],
         }
     });
     rows.collect()
@@ -295,34 +295,18 @@ fn micros(measured: &Measured) -> String {
     format!("{median} ({lowest} to {highest})")
 }
 
-/// The README's table.
-fn times() -> String {
-    let methods = [
-        "donut.c (C): donut.c in C (`gcc -O2`), with `putchar`",
-        "classic: classic, which draws the same at 80x22",
-        "exact",
-    ];
-    table(&methods, &SIZES, &[("#", |measured| format!("{:.0} µs", measured.time[0]))])
-}
-
 /// The study's tables of TIMES, and the name of each.
-fn study_tables() -> [(&'static str, String); 4] {
-    let averages = [
-        "classic",
-        "exact",
-        "exact with 2 by 2 rays",
-        "exact with 3 by 3 rays",
-        "exact with 4 by 4 rays",
-    ];
+fn study_tables() -> [(&'static str, String); 2] {
+    let averages = ["classic", "exact", "exact with 2 by 2 rays", "exact with 3 by 3 rays"];
     let all = [
         "donut.c (C): donut.c in C, with `putchar`",
         "donut.c (translated): donut.c in Rust",
         "classic: **classic**",
+        "classic with donut.c's steps",
         "exact: **exact**",
         "closed form: **closed form**",
         averages[2],
         averages[3],
-        averages[4],
         "Newton from one start",
         "Ferrari f32: Ferrari in f32",
         "Ferrari f64: Ferrari in f64",
@@ -332,30 +316,14 @@ fn study_tables() -> [(&'static str, String); 4] {
         "sphere tracing 64: 64 steps",
         "sphere tracing 256: 256 steps",
     ];
-    let rays = [
-        "exact one ray at a time: exact, one ray at a time",
-        "exact",
-        "exact with AVX2",
-        "closed form one ray at a time: closed form, one ray at a time",
-        "closed form",
-        "closed form with AVX2",
-    ];
-    let steps = [
-        "classic",
-        "classic steps x2: steps twice as long",
-        "classic steps x1/2: steps half as long",
-        "classic with donut.c's steps: donut.c's steps",
-    ];
     let times: Column = ("#: µs", micros);
     let wrong: Column = ("wrong", |measured| share(measured.wrong));
     let different: Column = ("different", |measured| share(measured.different));
     let far_off: Column = ("far off", |measured| share(measured.far_off));
-    let blank: Column = ("blank", |measured| share(measured.holes));
+    let flicker: Column = ("flicker", |measured| format!("{:.2}", measured.flicker));
     [
         ("average", table(&averages, &SIZES[..1], &[different, far_off])),
-        ("methods", table(&all, &SIZES, &[times, wrong, different])),
-        ("rays", table(&rays, &SIZES, &[times])),
-        ("steps", table(&steps, &SIZES, &[times, wrong, blank, far_off])),
+        ("methods", table(&all, &SIZES, &[times, wrong, different, flicker])),
     ]
 }
 
@@ -366,16 +334,16 @@ fn short() -> String {
     let times = |method: &[Measured; 2]| {
         let [small, large] = [0, 1].map(|i| method[i].time[0] / exact[i].time[0]);
         format!(
-            "{small:.1} times as long as exact, and {large:.1} times as\n  long for a full screen."
+            "{small:.1} times as long as exact for that picture, and {large:.1} times for a full screen."
         )
     };
     format!(
         "- By its own rule, exact draws no wrong cell in any scene of this study. It takes {:.0} µs for a frame\n  \
          of donut.c's own picture, and {:.0} µs for a full screen.\n\
-         - The closed form draws the same pictures. It takes {}\n\
-         - Classic draws donut.c's picture, byte for byte. It takes {}\n\
-         - By a rule that no method follows, the average over each cell, classic differs in {} cells for every\n  \
-         100 that the donut covers, and exact in {}.\n",
+         - A closed form, which is Ferrari's formula with two precautions, draws the same pictures. It takes\n  {}\n\
+         - Classic draws donut.c's picture, byte for byte. It takes\n  {}\n\
+         - By a rule that neither follows, the average over each cell, classic differs in {} cells of 100, and\n  \
+         exact in {}.\n",
         exact[0].time[0],
         exact[1].time[0],
         times(&closed_form),
@@ -418,27 +386,24 @@ fn scenes() -> [NamedScene; 8] {
     ]
 }
 
-/// Two tables: the wrong cells of each method in each scene, in per cent of the donut's cells; and for
-/// each scene, the number of its poses, of the donut's cells, and of the ties.
-fn failure_tables() -> [(&'static str, String); 2] {
+/// The wrong cells of each method in each scene, in per cent of the donut's cells.
+fn failures() -> String {
     let mut failures = vec![vec![String::new()]];
     failures.extend(COMPARED.map(|name| vec![name.into()]));
-    let mut cells = vec![["scene", "poses", "the donut's cells", "ties"].map(String::from).into()];
     for (scene, view, poses) in scenes() {
         let compared = methods(view).into_iter().filter(|method| COMPARED.contains(&&*method.0));
-        let tallies = count(compared.collect(), view, poses.clone());
+        let tallies = count(compared.collect(), view, poses);
         let tally = |name| tallies.iter().find(|(other, _)| other == name).map(|(_, tally)| tally);
         let wrong = |tally: &Tally| share(100.0 * tally.wrong() as f64 / tally.surface as f64);
         let [exact, closed_form] = ["exact", "closed form"].map(|name| tally(name).unwrap());
-        assert_eq!(exact.wrong() + closed_form.wrong(), 0, "the study says that none is wrong");
-        let numbers = [poses.len(), exact.surface, exact.ties].map(|number| number.to_string());
-        cells.push([&[scene.into()], &numbers[..]].concat());
+        let undecided = exact.wrong() + exact.ties + closed_form.wrong();
+        assert_eq!(undecided, 0, "the study says that no cell is wrong, or cannot be decided");
         failures[0].push(scene.into());
         for (row, name) in failures[1..].iter_mut().zip(COMPARED) {
             row.push(tally(name).map_or("-".into(), wrong));
         }
     }
-    [("failures", markdown(failures)), ("scenes", markdown(cells))]
+    markdown(failures)
 }
 
 // ---- Files ---------------------------------------------------------------------------------------
@@ -468,54 +433,33 @@ fn with_part(text: &str, name: &str, part: &str) -> String {
 /// The names and contents of the files that follow from TIMES and from the program.
 fn derived_files() -> [(&'static str, String); 7] {
     let mut study = with_part(&read(STUDY), "short", &short());
-    for (name, table) in study_tables().into_iter().chain(failure_tables()) {
+    for (name, table) in study_tables().into_iter().chain([("failures", failures())]) {
         study = with_part(&study, name, &table);
     }
     [
-        ("README.md", with_part(&read("README.md"), "times", &times())),
         (STUDY, study),
         ("tests/donut.svg", film::film()),
         ("tests/methods.svg", picture::two_methods()),
+        ("tests/options.svg", picture::options()),
         ("tests/chart/failures.svg", picture::failures()),
         ("tests/speed-and-accuracy.svg", plot::readme()),
         ("tests/chart/speed-and-accuracy.svg", plot::study()),
     ]
 }
 
-/// Measures all methods and writes all files; or, in a build with AVX2, only measures the two methods
-/// that have it in their name, and writes their times into TIMES. (In such a build, wide's functions
-/// round in another way, and some methods that fail get other cells wrong.)
+/// Measures all methods and writes all files.
 #[test]
 #[ignore = "measures for minutes"]
 fn measure() {
-    let has_avx2 = cfg!(target_feature = "avx2");
     let mut times = HashMap::new();
     for (size, view, _) in sizes() {
-        let mut methods = methods(view);
-        methods.retain(|(name, _)| name.ends_with("AVX2") == has_avx2);
+        let methods = methods(view);
         let names: Vec<_> = methods.iter().map(|(name, _)| format!("{size},{name}")).collect();
         times.extend(names.into_iter().zip(times_in_turns(methods, 30)));
     }
-    if has_avx2 {
-        let table = read(TIMES);
-        let rows = table.lines().map(|row| {
-            let mut columns: Vec<_> = row.split(',').map(String::from).collect();
-            if let Some(time) = times.get(&columns[..2].join(",")) {
-                columns.splice(2..5, time.map(|time| format!("{time:.1}")));
-            }
-            columns.join(",") + "\n"
-        });
-        return fs::write(path(TIMES), rows.collect::<String>()).unwrap();
-    }
-    for pose in donut_c_poses(50) {
-        average::compare_with_oracle(View::DONUT_C, pose);
-    }
     let source = env::var("DONUT_C").expect("DONUT_C, the path of donut.c's source");
     times.insert("80x22,donut.c (C)".into(), time_in_c(&source));
-    let table = table_of_times(|size, method| {
-        let measured = times.get(&format!("{size},{method}")).copied();
-        measured.unwrap_or_else(|| find(size, method).expect(method).time)
-    });
+    let table = table_of_times(|size, method| times[&format!("{size},{method}")]);
     println!("{table}");
     fs::write(path(TIMES), table).unwrap();
     fs::write(path(STUDY), with_part(&read(STUDY), "machine", &machine())).unwrap();
@@ -530,7 +474,33 @@ fn the_pictures_and_the_tables_are_up_to_date() {
     let stored = |size: &str, method: &str| find(size, method).expect(method).time;
     assert_current(TIMES, &table_of_times(stored));
     for (name, contents) in derived_files() {
-        assert!(contents.len() < 400_000, "{name} is too much for a page to load");
+        assert!(contents.len() < 200_000, "{name} is too much for a page to load");
         assert_current(name, &contents);
+    }
+}
+
+#[test]
+fn the_figures_of_the_readme_are_those_of_the_study() {
+    let [in_c, classic, exact] =
+        ["donut.c (C)", "classic", "exact"].map(|name| find(SIZES[0], name).unwrap());
+    let [large_classic, large_exact] =
+        ["classic", "exact"].map(|name| find(SIZES[1], name).unwrap());
+    assert!((45.0..55.0).contains(&classic.different), "about half");
+    assert!(classic.far_off < classic.different / 2.0, "most by one shade");
+    let parts = ["third", "quarter", "fifth", "sixth", "seventh", "eighth"];
+    let readme = read("README.md").replace('\n', " ");
+    for claim in [
+        format!("exact is {:.0} times as fast", large_classic.time[0] / large_exact.time[0]),
+        "half of classic's cells differ from it".into(),
+        format!("one in {:.0} of exact's", 100.0 / exact.different),
+        format!("{:.1}% of the donut's cells flicker with exact", exact.flicker),
+        format!("against {:.1}% with classic", classic.flicker),
+        format!("({:.1}% on a full screen)", large_classic.flicker),
+        format!(
+            "in a {} of the C program's",
+            parts[(in_c.time[0] / classic.time[0]).round() as usize - 3]
+        ),
+    ] {
+        assert!(readme.contains(&claim), "{claim}");
     }
 }

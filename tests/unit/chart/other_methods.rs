@@ -4,37 +4,35 @@
 
 use crate::tests::*;
 
-/// The middles of eight neighbours.
-const MIDDLES: [f64; 8] = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
-
-/// Draws as `exact` does, but `first_hits` finds the hits of eight rays.
-pub fn trace_eight_by_eight(
+/// Follows N by N rays in each cell, eight neighbours in one line at a time, as exact follows one.
+/// `first_hits` finds their hits, and `show` is told the cell and the luminance of each.
+pub fn follow<const N: usize>(
     view: &View,
-    a: f64,
-    b: f64,
+    (a, b): (f64, f64),
     first_hits: impl Fn(&Torus, &Rays) -> f64x8,
-) -> Vec<u8> {
+    mut show: impl FnMut(usize, f64),
+) {
     let &View { r2, k2, width, cx, cy, k1x, k1y, .. } = view;
     let torus = Torus { r2, axis: axis(a, b) };
-    let mut framebuffer = vec![b' '; width * view.height];
     let outline_radius = outline_radius(r2, k2);
-    for (row, line) in framebuffer.chunks_exact_mut(width).enumerate().skip(1) {
-        let dy = (row as f64 + 0.5 - cy) / k1y;
+    for line in 0..N * view.height {
+        let dy = ((line as f64 + 0.5) / N as f64 - cy) / k1y;
         let half_width = (outline_radius * outline_radius - dy * dy).max(0.0).sqrt() * k1x;
         let (start, end) = ((cx - half_width) as usize, width.min((cx + half_width) as usize + 1));
-        for (i, cells) in line[start..end].chunks_mut(8).enumerate() {
-            let x = (start + 8 * i) as f64 + f64x8::new(MIDDLES);
+        for first in (N * start..N * end).step_by(8) {
+            let middles = f64x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
+            let x = (first as f64 + middles) / N as f64;
             let rays = torus.rays((x - cx) / k1x, dy, k2);
             let hits = first_hits(&torus, &rays);
-            let luminances = (torus.luminance(&rays, hits) + TIE_BIAS).to_array();
-            for ((cell, hit), luminance) in cells.iter_mut().zip(hits.to_array()).zip(luminances) {
-                if hit < MISS {
-                    *cell = glyph(luminance);
+            let luminances = torus.luminance(&rays, hits).to_array();
+            for (i, (hit, luminance)) in hits.to_array().into_iter().zip(luminances).enumerate() {
+                // The last rays may be beyond the outline.
+                if hit < MISS && first + i < N * end {
+                    show(line / N * width + (first + i) / N, luminance);
                 }
             }
         }
     }
-    framebuffer
 }
 
 /// Of the rays in a cell, those that hit, and the sum of their luminances. A negative one counts as 0.
@@ -44,45 +42,26 @@ pub struct Hits {
     pub light: f64,
 }
 
-/// What `n` by `n` rays hit in each cell. They are followed as exact follows its rays, eight neighbours
-/// in one line at a time.
-pub fn trace_n_by_n(view: &View, a: f64, b: f64, n: usize) -> Vec<Hits> {
-    let &View { r2, k2, width, cx, cy, k1x, k1y, .. } = view;
-    let torus = Torus { r2, axis: axis(a, b) };
-    let mut cells = vec![Hits::default(); width * view.height];
-    let outline_radius = outline_radius(r2, k2);
-    for line in n..n * view.height {
-        let dy = ((line as f64 + 0.5) / n as f64 - cy) / k1y;
-        let half_width = (outline_radius * outline_radius - dy * dy).max(0.0).sqrt() * k1x;
-        let (start, end) = ((cx - half_width) as usize, width.min((cx + half_width) as usize + 1));
-        let row = &mut cells[line / n * width..][..width];
-        for first in (n * start..n * end).step_by(8) {
-            let x = (first as f64 + f64x8::new(MIDDLES)) / n as f64;
-            let rays = torus.rays((x - cx) / k1x, dy, k2);
-            let hits = Quartic::new(r2, &rays).first_hits(torus.entry(&rays));
-            let lights = torus.luminance(&rays, hits).max(f64x8::ZERO).to_array();
-            for (i, (hit, light)) in hits.to_array().into_iter().zip(lights).enumerate() {
-                // The last rays may be beyond the row.
-                if hit < MISS
-                    && let Some(cell) = row.get_mut((first + i) / n)
-                {
-                    cell.count += 1;
-                    cell.light += light;
-                }
-            }
-        }
-    }
+/// What N by N rays hit in each cell.
+pub fn hits<const N: usize>(view: &View, a: f64, b: f64) -> Vec<Hits> {
+    let mut cells = vec![Hits::default(); view.width * view.height];
+    let exact =
+        |torus: &Torus, rays: &Rays| Quartic::new(torus.r2, rays).first_hits(torus.entry(rays));
+    follow::<N>(view, (a, b), exact, |cell, luminance| {
+        cells[cell].count += 1;
+        cells[cell].light += luminance.max(0.0);
+    });
     cells
 }
 
-/// Draws with `n` by `n` rays in a cell: the donut where at least half of them hit, with the mean
-/// luminance of those.
-pub fn averaged(view: &View, a: f64, b: f64, n: usize) -> Vec<u8> {
+/// Draws with N by N rays in a cell: the donut where at least half of them hit, with the mean luminance of
+/// those.
+pub fn averaged<const N: usize>(view: &View, a: f64, b: f64) -> Vec<u8> {
     let shown = |hits: Hits| match hits.count {
-        count if 2 * count < n * n => b' ',
+        count if 2 * count < N * N => b' ',
         count => glyph(hits.light / count as f64 + TIE_BIAS),
     };
-    trace_n_by_n(view, a, b, n).into_iter().map(shown).collect()
+    hits::<N>(view, a, b).into_iter().map(shown).collect()
 }
 
 /// Sphere tracing, in f32, from the sphere round the donut. Each step along the ray is as long as the
@@ -152,32 +131,6 @@ pub fn closed_form(torus: &Torus, rays: &Rays) -> f64x8 {
     let (first, second) = (2.0 * (apart - p) - y, -2.0 * (apart + p) - y);
     let root = first.simd_ge(0.0).select(-alpha - first.sqrt(), alpha - second.sqrt());
     (root / 2.0).min(f64x8::splat(MISS))
-}
-
-/// The closed form, for one ray.
-pub fn closed_form_alone(ray: &Ray) -> f64 {
-    let &Ray { p, q, c, .. } = ray;
-    let (p, q, r) = (2.0 * p, 2.0 * q, p * p + c);
-    let m = (p * p + 12.0 * r) / 9.0;
-    let n = p * p * p / 27.0 - 4.0 / 3.0 * p * r + q * q / 2.0;
-    let discriminant = n * n - m * m * m;
-    let v = if discriminant < 0.0 {
-        let root = m.sqrt();
-        2.0 * root * ((n / (m * root)).clamp(-1.0, 1.0).acos() / 3.0).cos()
-    } else {
-        let t = (n + discriminant.sqrt().copysign(n)).cbrt();
-        if t == 0.0 { 0.0 } else { t + m / t }
-    };
-    let y = (v - 2.0 / 3.0 * p).max(0.0);
-    let alpha = y.sqrt();
-    let apart = if y < p.abs() / 8.0 {
-        ((p + y) * (p + y) - 4.0 * r).max(0.0).sqrt().copysign(q)
-    } else {
-        q / alpha
-    };
-    let (first, second) = (2.0 * (apart - p) - y, -2.0 * (apart + p) - y);
-    let root = if first >= 0.0 { -alpha - first.sqrt() } else { alpha - second.sqrt() };
-    f64::min(root / 2.0, MISS)
 }
 
 /// Newton's method, which steps to the root of the tangent, from the point where the ray enters the

@@ -5,13 +5,8 @@ use std::ops::Range;
 
 /// Blanks in a text are kept: the first attribute is for programs that do not know CSS's `white-space`.
 /// `scale` says how large the picture is on a page with enough space.
-pub fn svg(
-    title: &str,
-    (width, height): (usize, usize),
-    scale: f64,
-    style: &str,
-    contents: &str,
-) -> String {
+pub fn svg(title: &str, size: (usize, usize), scale: f64, style: &str, contents: &str) -> String {
+    let (width, height) = size;
     let [shown_width, shown_height] = [width, height].map(|size| scale * size as f64);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" xml:space=\"preserve\" \
@@ -79,8 +74,8 @@ const STYLE: &str = "text{font:16.6px ui-monospace,Menlo,Consolas,'DejaVu Sans M
     fill:#e6e6e6;white-space:pre}rect{shape-rendering:crispEdges}.page{fill:#16181d}\
     .title,.head,.caption{font:24px system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif;fill:#c3cad3}\
     .title{font-size:32px;font-weight:bold;fill:#ffffff}.head{font-weight:bold}\
-    rect.shade{fill:#1d4f91}rect.extra{fill:#cf7c2c}text.extra{fill:#16181d}rect.hole{fill:#f2c9d8}\
-    .whole{fill:#8b949e}.frame{fill:none;stroke:#ffffff;stroke-width:3}";
+    rect.shade{fill:#2a66b8}rect.extra{fill:#cf7c2c}text.extra{fill:#16181d}rect.hole{fill:#f2c9d8}\
+    .command{font-size:19px;fill:#ffffff}.Cyan text{fill:#34e2e2}.window{fill:none;stroke:#5c646e;stroke-width:2}";
 
 fn picture(title: &str, (width, height): (usize, usize), contents: &str) -> String {
     let page = "<rect class=\"page\" width=\"100%\" height=\"100%\" rx=\"12\"/>\n";
@@ -104,10 +99,10 @@ fn key(class: &str, (x, y): (usize, usize), meaning: &str) -> String {
 /// Frame 252 of donut.c by classic and by exact, and the cells in which they differ.
 pub fn two_methods() -> String {
     /// The columns and the rows that the donut is seen in.
-    const PART: (Range<usize>, Range<usize>) = (17..54, 1..22);
+    const PART: (Range<usize>, Range<usize>) = (16..53, 0..21);
     const LEFT: usize = 24;
     const RIGHT: usize = 440;
-    const BELOW: usize = 560;
+    const BELOW: usize = 606;
     let view = View::DONUT_C;
     let [classic, exact] =
         [Method::Classic, Method::Exact].map(|method| draw(method, view, 10.08, 5.04));
@@ -116,55 +111,57 @@ pub fn two_methods() -> String {
     let surface = exact.iter().filter(|&&glyph| glyph != b' ').count();
     let [shades, extra, holes] = ["shade", "extra", "hole"].map(count);
     assert_eq!(holes, 0, "another mark needs an explanation");
-    let (different, share) = (shades + extra, 100 * (shades + extra) / surface);
-    let panel = |(x, y), title: &str, caption: &str, picture: &[u8], is_marked: bool| {
-        let mark = |cell| if is_marked { mark(cell) } else { "" };
-        words("title", (x, y), title)
-            + &words("caption", (x, y + 36), caption)
-            + &part((picture, view.width), PART, (x, y + 60), mark)
-    };
+    let (differ, drawn) = (shades + extra, surface + extra);
+    let sum = format!("{differ} of the {drawn} cells drawn differ from each other");
     let contents = [
-        panel((LEFT, 50), "classic", "the nearest point in a cell", &classic, false),
-        panel((RIGHT, 50), "exact", "the point at a cell's centre", &exact, false),
-        panel((LEFT, 50 + BELOW), "differences", "classic, differences marked", &classic, true),
-        key("shade", (RIGHT, 180 + BELOW), &format!("different character: {shades}")),
-        key("extra", (RIGHT, 230 + BELOW), &format!("only in classic: {extra}")),
-        words("caption", (RIGHT, 320 + BELOW), &format!("differ from exact: {different}")),
-        words("caption", (RIGHT, 356 + BELOW), &format!("the donut: {surface} cells")),
-        words("title", (RIGHT, 410 + BELOW), &format!("{share}% differ")),
+        words("caption", (LEFT, 44), "frame 252 of donut.c (A 10.08, B 5.04), 80x22"),
+        words("title", (LEFT, 100), "classic"),
+        words("caption", (LEFT, 134), "the nearest point in a cell"),
+        words("title", (RIGHT, 100), "exact"),
+        words("caption", (RIGHT, 134), "the point at a cell's centre"),
+        part((&classic, view.width), PART, (LEFT, 158), mark),
+        part((&exact, view.width), PART, (RIGHT, 158), |_| ""),
+        key("shade", (LEFT, BELOW), &format!("another character: {shades}")),
+        key("extra", (RIGHT, BELOW), &format!("only in classic: {extra}")),
+        words("caption", (LEFT, BELOW + 62), &sum),
     ];
     let title = "A donut drawn by classic and by exact, and the cells in which these differ";
-    picture(title, (RIGHT + pixels(PART.0.len(), 0).0 + LEFT, 2 * BELOW + 10), &contents.concat())
+    picture(title, (RIGHT + pixels(PART.0.len(), 0).0 + LEFT, BELOW + 86), &contents.concat())
 }
 
-/// The whole donut, small, with its middle at this place, and a frame around this part of the picture.
-fn thumbnail(
-    (drawn, view): (&[u8], &View),
-    (columns, rows): (Range<usize>, Range<usize>),
-    (x, y): (f64, f64),
-) -> String {
-    // The pixels of a row; a column has half as many.
-    let scale = 112.0 / view.height as f64;
-    let place = |column: usize, row: usize| {
-        (x + scale / 2.0 * (column as f64 - view.cx), y + scale * (row as f64 - view.cy))
-    };
-    let mut path = String::new();
-    for (row, line) in drawn.chunks(view.width).enumerate() {
-        let mut column = 0;
-        for alike in line.chunk_by(|&one, &other| (one == b' ') == (other == b' ')) {
-            let ((x, y), length) = (place(column, row), scale / 2.0 * alike.len() as f64);
-            if alike[0] != b' ' {
-                path += &format!("M{x:.1} {y:.1}h{length:.1}v{scale:.1}h-{length:.1}z");
-            }
-            column += alike.len();
-        }
+/// What options look like: a frame by each of four commands, in small windows.
+pub fn options() -> String {
+    const WINDOW: Window = Window { columns: 32, rows: 17, aspect: View::ASPECT };
+    const COMMANDS: [&str; 4] = [
+        "donut --color cyan",
+        "donut --r2 6",
+        "donut -A 0.6 -B 1.6 --spin 0,0",
+        "donut --width 20 --height 10",
+    ];
+    let (width, height) = pixels(WINDOW.columns.into(), WINDOW.rows.into());
+    let mut contents = String::new();
+    for (n, command) in COMMANDS.into_iter().enumerate() {
+        let options = Options::try_parse_from(command.split(' ')).unwrap();
+        assert_eq!(options.conflict(), None);
+        let mut renderer = options.renderer(Some(WINDOW), options.method);
+        let start = [options.a, options.b];
+        let [a, b] = (0..84).fold(start, |angles, _| renderer.advance(angles, options.spin()));
+        renderer.render_frame(a, b);
+        let (x, y) = (24 + n % 2 * (width + 44), 24 + n / 2 * (height + 72));
+        let View { width: columns, height: rows, .. } = renderer.view;
+        let drawn =
+            part((&renderer.framebuffer, columns), (0..columns, 0..rows), (x + 10, y + 46), |_| "");
+        let class = options.color.map_or(String::new(), |color| format!("{color:?}"));
+        contents += &words("command", (x, y + 20), command);
+        contents += &format!(
+            "<rect class=\"window\" x=\"{x}\" y=\"{}\" width=\"{}\" height=\"{height}\" rx=\"8\"/>\n\
+             <g class=\"{class}\">\n{drawn}</g>\n",
+            y + 36,
+            width + 20
+        );
     }
-    let (x, y) = place(columns.start, rows.start);
-    let (width, height) = (scale / 2.0 * columns.len() as f64, scale * rows.len() as f64);
-    format!(
-        "<path class=\"whole\" d=\"{path}\"/>\n<rect class=\"frame\" x=\"{x:.1}\" y=\"{y:.1}\" \
-         width=\"{width:.1}\" height=\"{height:.1}\"/>\n"
-    )
+    let title = "What the donut looks like with four sets of options";
+    picture(title, (2 * width + 112, 2 * height + 156), &contents)
 }
 
 /// Methods that fail, each in a scene of the study's table, beside the same part of the picture by
@@ -175,31 +172,21 @@ pub fn failures() -> String {
     const LEFT: usize = 24;
     const RIGHT: usize = 404;
     const HEIGHT: usize = 456;
-    let mut contents = [
-        key("hole", (LEFT, 24), "missing"),
-        key("extra", (LEFT + 180, 24), "extra"),
-        key("shade", (LEFT + 340, 24), "wrong character"),
-    ]
-    .concat();
+    let mut contents = key("hole", (LEFT, 24), "missing");
+    contents += &key("extra", (LEFT + 180, 24), "extra");
+    contents += &key("shade", (LEFT + 340, 24), "wrong character");
     let shown = [
-        (
-            "classic with donut.c's steps",
-            ("`--k2 3.03`", 2, (41, 8)),
-            ["Gaps", "donut.c's steps at --k2 3.03:", "too few points this close up"],
-        ),
-        (
-            "sphere tracing 16",
-            ("80x22", 6, (19, 4)),
-            ["A bitten outline", "sphere tracing with 16 steps:", "grazing rays run out of steps"],
-        ),
-        (
-            "Ferrari f32",
-            ("`--k2 50`", 9, (76, 13)),
-            ["Noise", "Ferrari's formula in f32 at --k2 50:", "rounding errors"],
-        ),
+        ("classic with donut.c's steps", "`--k2 3.03`", 2, (40, 7), "donut.c's steps"),
+        ("sphere tracing 16", "80x22", 6, (18, 3), "sphere tracing"),
+        ("Ferrari f32", "`--k2 50`", 9, (75, 12), "Ferrari, f32"),
     ];
-    for (n, (name, (scene, pose, corner), [title, first, second])) in shown.into_iter().enumerate()
-    {
+    let captions = [
+        ["Gaps", "donut.c's steps at --k2 3.03:", "too few points this close up"],
+        ["A bitten outline", "sphere tracing with 16 steps:", "grazing rays run out of steps"],
+        ["Noise", "Ferrari's formula in f32 at --k2 50:", "rounding errors"],
+    ];
+    for (n, (name, scene, pose, corner, head)) in shown.into_iter().enumerate() {
+        let [title, first, second] = captions[n];
         let (_, view, poses) = scenes().into_iter().find(|other| other.0 == scene).unwrap();
         let [drawn, exact] = [name, "exact"].map(|name| {
             let (_, mut draw) = methods(view).into_iter().find(|method| method.0 == name).unwrap();
@@ -211,8 +198,6 @@ pub fn failures() -> String {
         contents += &words("title", (LEFT, top + 34), title);
         contents += &words("caption", (LEFT, top + 72), first);
         contents += &words("caption", (LEFT, top + 102), second);
-        contents += &thumbnail((&exact, &view), cells(), (RIGHT as f64 + 270.0, top as f64 + 66.0));
-        let head = ["donut.c's steps", "sphere tracing", "Ferrari, f32"][n];
         contents += &words("head", (LEFT, top + 152), head);
         contents += &words("head", (RIGHT, top + 152), "exact");
         contents += &part((&drawn, view.width), cells(), (LEFT, top + 166), mark);
