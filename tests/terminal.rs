@@ -754,7 +754,14 @@ fn step(pty: &Pty, step: &str) {
 fn run_scenarios(table: &str) {
     let setpriv = command("setpriv --reuid 65534 --clear-groups DONUT --version");
     let env = "env --block-signal=INT true";
-    let tools = ["timeout --version", "setsid -w true", "xargs true < /dev/null", env, &setpriv];
+    let tools = [
+        "timeout --version",
+        "setsid -w true",
+        "xargs true < /dev/null",
+        "unshare --pid --fork true",
+        env,
+        &setpriv,
+    ];
     let scenarios: Vec<_> = table.lines().map(str::trim).filter(|s| s.contains(" | ")).collect();
     side_by_side(&scenarios, |scenario| {
         let (shells, rest) = scenario.split_once(" | ").unwrap();
@@ -809,6 +816,9 @@ fn donut_is_well_behaved_without_job_control() {
 
         # The terminal is another user's, and cannot be opened once more.
         - | exec setpriv --reuid 65534 --clear-groups STILL | picture abc resize frames q restored=0
+
+        # The first process of a container cannot end itself by a signal.
+        - | exec unshare --pid --fork DONUT | frames ^C restored=130
 
         # The program that runs the donut has blocked SIGINT.
         - | exec env --block-signal=INT DONUT | frames ^C restored=130
