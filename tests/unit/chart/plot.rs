@@ -90,7 +90,7 @@ pub fn readme() -> String {
         (exact, "green", ((16.0, 5.0), "start"), "exact"),
         (large_classic, "orange", above, "classic"),
         (large_exact, "green", ((26.0, 5.0), "start"), "exact"),
-        (&in_c, "ink", above, "donut.c in C (80x22), with putchar"),
+        (&in_c, "ink", above, "donut.c in C (80x22)"),
     ] {
         let [time, different] = [measured.time[0].round().to_string(), share(measured.different)];
         contents +=
