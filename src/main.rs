@@ -9,8 +9,8 @@
 //!
 //! A torus is the surface swept by a small circle as its centre travels round a large one, the two always at
 //! right angles. The surface is a tube, and the large circle, in the middle of the tube, is the ring. Here is
-//! the torus of the first frame, cut in half and seen from the side. It is drawn to scale (except
-//! for the screen, which may stand anywhere), and the viewer is on the left:
+//! the torus of the first frame, cut in half and seen from the side. It is drawn to scale (except for the
+//! screen, which may stand anywhere), and the viewer is on the left:
 //! ```text
 //!                         screen  .-"-.
 //!                           |   .'     '.
@@ -784,7 +784,7 @@ fn parse_angles(text: &str) -> Result<[f64; 2], String> {
     let angle = |text: &str| within("a number", SPINS)(text.trim()).ok();
     let angles = text.split_once(',').and_then(|(a, b)| Some([angle(a)?, angle(b)?]));
     let (least, most) = (SPINS.start(), SPINS.end());
-    angles.ok_or(format!("expected two numbers from {least} to {most}, such as 0.04,0.02"))
+    angles.ok_or_else(|| format!("expected two numbers from {least} to {most}, such as 0.04,0.02"))
 }
 
 fn parse_color(text: &str) -> Result<Color, String> {
@@ -1034,9 +1034,9 @@ fn turned([a, b]: [f64; 2], right: f64, down: f64) -> [f64; 2] {
 // and resumes it, by SIGCONT; `bg` only resumes it. A job that no shell can resume is stopped only by
 // SIGSTOP.
 //
-// All this is done in the main thread. The handlers of signals only store a number or a flag.
-// (ctrlc's wakes a thread of its own, which does so.) A signal also interrupts the wait for keys; if it
-// comes just before, or in ctrlc's thread, the loop sees it within a second.
+// All this is done in the main thread. The handlers of signals only store a number or a flag. (ctrlc's wakes
+// a thread of its own, which does so.) A signal also interrupts the wait for keys; if it comes just before,
+// or in ctrlc's thread, the loop sees it within a second.
 //
 // What ends the program, and the exit status that a shell then reports:
 // - q, Esc or the last frame: the loop ends, and `run` leaves. 0.

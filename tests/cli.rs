@@ -168,19 +168,19 @@ fn every_frame_is_one_write() {
     assert_eq!(packets, [4 + frame, frame, frame]);
 }
 
-/// A reader takes frame 0, pauses, and takes some more. All this has to take at least the first time, and what
-/// comes after the pause less than the second. (On a busy machine, a frame may be late, so one try of ten is
-/// enough: a program that is too slow never succeeds.) All times are in milliseconds.
+/// A reader takes frame 0, pauses, and takes some more. All this has to take at least the first time, and
+/// what comes after the pause less than the second. (On a busy machine, a frame may be late, so one try of
+/// ten is enough: a program that is too slow never succeeds.) All times are in milliseconds.
 #[test]
 fn frames_come_at_their_rate_and_after_a_stall_neither_in_a_burst_nor_late() {
     for (options, size, pause, count, least, most) in [
         // Frame 25 is due after half a second.
         ("--fps=50", 80 * 22, 0, 25, 500, 750),
-        // A pipe holds only a few frames of this size. A hundred more come due in the pause. A few frames come
-        // at once after it: those in the pipe, the one that was being written, and the two after it.
+        // A pipe holds only a few frames of this size. A hundred more come due in the pause. A few frames
+        // come at once after it: those in the pipe, the one that was being written, and the two after it.
         ("--fps=100 --width=400 --height=100", 401 * 100 - 1, 1000, 60, 1500, u128::MAX),
-        // Frame 1, which is due at 400, fills the pipe, so the program waits, and frame 2 is 200 late. Frame 3
-        // is due 200 after the pause. If frame 2's delay were added, it would come 400 after the pause.
+        // Frame 1, which is due at 400, fills the pipe, so the program waits, and frame 2 is 200 late. Frame
+        // 3 is due 200 after the pause. If frame 2's delay were added, it would come 400 after the pause.
         ("--fps=2.5 --width=400 --height=400", 401 * 400 - 1, 1000, 3, 1200, 400),
     ] {
         let is_in_time = |_| {

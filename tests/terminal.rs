@@ -554,18 +554,19 @@ fn a_signal_ends_donut_and_restores_the_terminal_however_early_it_comes() {
     let lost = AtomicUsize::new(0);
     let cases = (0..160).map(|n| (n, SIGNALS[n as usize % 4]));
     side_by_side(&cases.collect::<Vec<_>>(), |&(n, (signal, code))| {
-        // The last 60 come while it draws.
-        let pty = run_donut(if n < 100 { "" } else { "--fps=0" }, SIZE);
-        if n >= 100 {
+        // The others come while it draws.
+        let is_early = n < 100;
+        let pty = run_donut(if is_early { "" } else { "--fps=0" }, SIZE);
+        if !is_early {
             wait_for_first_frame(&pty);
         }
         sleep(Duration::from_micros(60 * (n % 100)));
         pty.signal(signal);
         let sent = Instant::now();
-        while n < 100 && pty.is_running() && sent.elapsed() < Duration::from_secs(10) {
+        while is_early && pty.is_running() && sent.elapsed() < Duration::from_secs(10) {
             sleep(Duration::from_millis(5));
         }
-        if n < 100 && pty.is_running() {
+        if is_early && pty.is_running() {
             lost.fetch_add(1, SeqCst);
             pty.signal(signal);
         }
@@ -766,13 +767,12 @@ fn step(pty: &Pty, step: &str) {
 /// only this command. There, Ctrl-Z makes donut leave the terminal and enter it again.
 fn run_scenarios(table: &str) {
     let setpriv = command("setpriv --reuid 65534 --clear-groups DONUT --version");
-    let env = "env --block-signal=INT true";
     let tools = [
         "timeout --version",
         "setsid -w true",
         "xargs true < /dev/null",
         "unshare --pid --fork true",
-        env,
+        "env --block-signal=INT true",
         &setpriv,
     ];
     let scenarios: Vec<_> = table.lines().map(str::trim).filter(|s| s.contains(" | ")).collect();

@@ -75,7 +75,8 @@ const STYLE: &str = "text{font:16.6px ui-monospace,Menlo,Consolas,'DejaVu Sans M
     .title,.head,.caption{font:24px system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif;fill:#c3cad3}\
     .title{font-size:32px;font-weight:bold;fill:#ffffff}.head{font-weight:bold}\
     rect.shade{fill:#2a66b8}rect.extra{fill:#cf7c2c}text.extra{fill:#16181d}rect.hole{fill:#f2c9d8}\
-    .command{font-size:19px;fill:#ffffff}.Cyan text{fill:#34e2e2}.window{fill:none;stroke:#5c646e;stroke-width:2}";
+    .command{font-size:19px;fill:#ffffff}.Cyan text{fill:#34e2e2}\
+    .window{fill:none;stroke:#5c646e;stroke-width:2}";
 
 fn picture(title: &str, (width, height): (usize, usize), contents: &str) -> String {
     let page = "<rect class=\"page\" width=\"100%\" height=\"100%\" rx=\"12\"/>\n";
