@@ -1,9 +1,9 @@
 //! [donut.c], Andy Sloane's spinning ASCII torus of 2006, in Rust.
 //!
-//! donut.c draws a picture of 80 by 22 characters, for a terminal of 80 columns and 24 rows. Unless an option
-//! asks for another picture, this program draws the same one in such a terminal and in a pipe, and in a pipe
-//! it writes the same bytes. A picture of any other size has no original to match, so by default it is
-//! ray-traced.
+//! donut.c draws a picture of 80 by 22 characters, for a terminal of 80 columns and 24 rows. In such a
+//! terminal and in a pipe, this program draws the same picture unless an option asks for another; into a
+//! pipe, it writes the same bytes. A picture of any other size has no original to match, so by default it
+//! is ray-traced.
 //!
 //! # How donut.c draws a donut
 //!
@@ -78,16 +78,7 @@
 //! `classic` is all of the above: for each sample, it asks which cell the sample falls into. `exact` goes the
 //! other way: for each cell, it asks what is there. It follows the ray from the viewer through the centre of
 //! the cell. A number s says where on the ray a point is, and the ray meets the surface where a polynomial
-//! G(s), of degree four, is 0. The cell shows the first of these points, of which there are at most four, lit
-//! as above.
-//!
-//! Both methods work on eight samples or rays at a time, in vector instructions. A value of the types `f32x8`
-//! and `f64x8`, from the crate wide, is eight numbers, its *lanes*. A formula is written as for one number,
-//! and computed in every lane, without relying on the optimiser. Each lane rounds as a single number would;
-//! otherwise, `classic` could not match byte for byte. A plain number stands for itself in every lane. A
-//! comparison gives a mask: `mask.select(x, y)` is x in the lanes where the comparison is true and y in the
-//! others, and `mask.any()` says whether it is true in any. `max` ignores NaN; `fast_max` assumes that there
-//! is none.
+//! G(s), of degree four, is 0. There are at most four such points, and the cell shows the first, lit as above.
 //!
 //! Below are the view, the rendering, the two methods, the options, the loop, and last the terminal.
 //!
@@ -153,11 +144,11 @@ impl View {
     const ASPECT: f64 = View::DONUT_C.k1x / View::DONUT_C.k1y;
 
     /// A view in which the donut is in the middle, and as large as it can be without being cut off in any
-    /// pose: a circle of radius K1 `outline_radius` has to fit into the picture.
+    /// pose: a circle whose radius is K1 times `outline_radius` has to fit into the picture.
     fn fitted(width: usize, height: usize, aspect: f64, r2: f64, k2: f64) -> View {
-        let (cx, cy) = (width as f64 / 2.0, height as f64 / 2.0);
-        let k1x = f64::min(cx, aspect * cy) / outline_radius(r2, k2);
-        View { r2, k2, width, height, cx, cy, k1x, k1y: k1x / aspect }
+        let (half_width, half_height) = (width as f64 / 2.0, height as f64 / 2.0);
+        let k1x = f64::min(half_width, aspect * half_height) / outline_radius(r2, k2);
+        View { r2, k2, width, height, cx: half_width, cy: half_height, k1x, k1y: k1x / aspect }
     }
 }
 
@@ -273,13 +264,17 @@ impl Renderer {
 // ---- classic: samples of the surface -------------------------------------------------------------
 
 struct Classic {
-    /// 1/z of the nearest sample so far, in each cell; 0 stands for infinitely far away. As in donut.c,
-    /// there is a column 0 and a row 0. Where nothing may be drawn, it is infinity, which no sample
-    /// exceeds: in these two, and in the two rows below the picture, into which donut.c's donut reaches in
-    /// some poses (down to 12 + 15 * 3/4, where 3/4 is its `outline_radius`).
-    zbuffer: Vec<f32>,
-    /// The sine and the cosine of each theta in donut.c's loop, and of each phi, eight at a time.
+    /// A grid of cells like donut.c's, row by row. Only the view's cells are shown. On the left and above are
+    /// donut.c's column 0 and row 0; below, two rows more, because in some poses, its donut reaches down to
+    /// 12 + 15 * 3/4, where 3/4 is its `outline_radius`.
+    ///
+    /// A cell holds a key for the nearest sample so far: its upper half has the bits of 1/z, and its lower
+    /// half the sample's index, inverted. The nearer of two samples has the larger key, because the bits of
+    /// positive floats are in the order of the floats. 0 stands for none, infinitely far away.
+    zbuffer: Vec<u64>,
+    /// The sine and the cosine of each theta in donut.c's loop.
     thetas: Vec<(f32, f32)>,
+    /// The same of each phi, in groups of eight.
     phis: Vec<(f32x8, f32x8)>,
 }
 
@@ -287,13 +282,13 @@ impl Classic {
     /// The steps are those of theta and of phi: `angle_steps`, except in tests, which try others.
     fn new(view: &View, steps: [f64; 2]) -> Classic {
         let [thetas, phis] = steps.map(trig_table);
-        // The last group is padded with the last phi: a sample is not nearer than itself.
-        let group = |first: usize| {
-            let lanes: [_; 8] = array::from_fn(|i| phis[(first + i).min(phis.len() - 1)]);
+        let group = |phis: &[(f32, f32)]| {
+            // The last group is padded with the last phi: repeated samples change nothing.
+            let lanes: [_; 8] = array::from_fn(|i| phis[i.min(phis.len() - 1)]);
             (f32x8::new(lanes.map(|(sin, _)| sin)), f32x8::new(lanes.map(|(_, cos)| cos)))
         };
-        let phis = (0..phis.len()).step_by(8).map(group).collect();
-        let zbuffer = vec![f32::INFINITY; (1 + view.width) * (1 + view.height + 2)];
+        let phis = phis.chunks(8).map(group).collect();
+        let zbuffer = vec![0; (1 + view.width) * (1 + view.height + 2)];
         Classic { zbuffer, thetas, phis }
     }
 
@@ -301,53 +296,68 @@ impl Classic {
     /// operations: in another order, rounding would change characters. donut.c has names of one letter:
     /// `sin_phi` is its c, `cos_theta` d, `sin_a` e, `sin_theta` f, `cos_a` g, `ooz` (1/z) D, `cos_phi` l,
     /// `cos_b` m, `sin_b` n and `cell` o.
+    ///
+    /// donut.c lights every sample. Here, the loop only finds the nearest sample of each cell, and then these
+    /// are lit: of donut.c's samples, one in fifty. This is called *deferred shading*.
+    #[inline(never)] // Inlined into its caller, the loop has too few registers, and takes a quarter longer.
     fn plot_samples(&mut self, view: &View, a: f32, b: f32, framebuffer: &mut [u8]) {
-        let &View { width, height, r2, k2, cx, cy, k1x, k1y } = view;
-        // In donut.c's count, with a column 0 and a row 0.
+        let Classic { zbuffer, thetas, phis } = self;
+        let &View { width, r2, k2, cx, cy, k1x, k1y, .. } = view;
+        // Counted as in donut.c, from a column 0 and a row 0 that are not shown.
         let numbers = [r2, k2, 1.0 + cx, 1.0 + cy, k1x, k1y];
         let [r2, k2, cx, cy, k1x, k1y] = numbers.map(|number| number as f32);
         let [(sin_a, cos_a), (sin_b, cos_b)] = [a, b].map(c_sin_cos);
         let stride = 1 + width;
-        for row in self.zbuffer.chunks_exact_mut(stride).skip(1).take(height) {
-            row[1..].fill(0.0);
-        }
 
-        for &(sin_theta, cos_theta) in &self.thetas {
+        zbuffer.fill(0);
+        let mut index: u32 = 0; // Of a sample. Even at 4096x4096, it stays below 10^9.
+        for &(sin_theta, cos_theta) in thetas.iter() {
             let h = cos_theta + r2;
-            for &(sin_phi, cos_phi) in &self.phis {
+            for &(sin_phi, cos_phi) in phis.iter() {
                 let ooz = 1.0 / (sin_phi * h * sin_a + sin_theta * cos_a + k2);
                 let t = sin_phi * h * cos_a - sin_theta * sin_a;
                 let x = cx + k1x * ooz * (cos_phi * h * cos_b - t * sin_b);
                 let y = cy + k1y * ooz * (cos_phi * h * sin_b + t * cos_b);
+                // `fast_trunc_int` is C's cast to `int`. No x or y is negative: on the left and at the top,
+                // all of the bounding sphere is inside the grid. A sample on the right edge counts as one in
+                // column 0 of the next row, which is not shown.
+                let cells = y.fast_trunc_int() * stride as i32 + x.fast_trunc_int();
+                for (cell, ooz) in cells.to_array().into_iter().zip(ooz.to_array()) {
+                    // The index is inverted so that of equally near samples, the first wins, as in donut.c.
+                    // An `if` in place of `max` would be slow, because a processor can hardly predict it.
+                    let key = u64::from(ooz.to_bits()) << 32 | u64::from(!index);
+                    let nearest = &mut zbuffer[cell as usize];
+                    *nearest = key.max(*nearest);
+                    index += 1;
+                }
+            }
+        }
+
+        let grid_rows = zbuffer.chunks_exact(stride).skip(1);
+        for (row, grid_row) in framebuffer.chunks_exact_mut(width).zip(grid_rows) {
+            for (character, &nearest) in row.iter_mut().zip(&grid_row[1..]) {
+                if nearest == 0 {
+                    continue;
+                }
+                let index = !(nearest as u32) as usize; // From the lower half.
+                let (group, lane) = (index / 8, index % 8);
+                let (sin_theta, cos_theta) = thetas[group / phis.len()];
+                let (sin_phi, cos_phi) = phis[group % phis.len()];
+                let [sin_phi, cos_phi] = [sin_phi, cos_phi].map(|lanes| lanes.to_array()[lane]);
                 // -y - z of the rotated normal: its dot product with (0, -1, -1).
                 let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
                     - sin_phi * cos_theta * sin_a
                     - sin_theta * cos_a
                     - cos_phi * cos_theta * sin_b;
-
-                // donut.c skips the samples outside the picture. Here, the z-buffer rejects those below it.
-                // None has a negative x or y, because every view has room for the bounding sphere on the left
-                // and at the top. A sample on the right edge counts as one in column 0 of the next row, and
-                // is rejected there. (`fast_trunc_int` is C's cast to `int`.)
-                let [columns, rows] = [x, y].map(|place| place.fast_trunc_int().to_array());
-                let [ooz, luminance] = [ooz, luminance].map(f32x8::to_array);
-                for i in 0..8 {
-                    let [column, row] = [columns[i], rows[i]].map(|place| place as usize);
-                    let cell = row * stride + column;
-                    if ooz[i] > self.zbuffer[cell] {
-                        self.zbuffer[cell] = ooz[i];
-                        framebuffer[(row - 1) * width + column - 1] = glyph(luminance[i].into());
-                    }
-                }
+                *character = glyph(luminance.into());
             }
         }
     }
 }
 
 /// donut.c's steps of theta and phi, or shorter ones for a larger picture. Where donut.c's donut is nearest
-/// to the viewer, its samples are about a cell apart, and leave almost no gaps. With donut.c's R2 and K2, and
-/// with n times its K1 (in columns or in rows, whichever is more), steps divided by n keep the samples
-/// about a cell apart.
+/// to the viewer, its samples are at most about a cell apart, and leave almost no gaps. With donut.c's R2 and
+/// K2, and with n times its K1 (in columns or in rows, whichever is more), steps divided by n keep them so.
 fn angle_steps(view: &View) -> [f64; 2] {
     let n = f64::max(view.k1x / View::DONUT_C.k1x, view.k1y / View::DONUT_C.k1y).max(1.0);
     [0.07 / n, 0.02 / n]
