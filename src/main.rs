@@ -387,7 +387,8 @@ fn c_sin_cos(angle: f32) -> (f32, f32) {
 
 /// Added to each luminance, too little to be seen. In symmetric poses, the true 8 L may be exactly an
 /// integer, and the rounding of sines and cosines, which differs between systems, would choose between two
-/// glyphs. With this, the brighter one is drawn (unless R2 is so large that rounding errors exceed this).
+/// glyphs. With this, the brighter one is drawn (unless rounding errors exceed it, as they may if R2 is large
+/// or the ray almost grazes the donut).
 const TIE_BIAS: f64 = 1e-12;
 
 /// Shows in each cell what the ray through its centre hits first.
@@ -395,18 +396,20 @@ fn trace(view: &View, a: f64, b: f64, framebuffer: &mut [u8]) {
     let &View { r2, k2, width, cx, cy, k1x, k1y, .. } = view;
     let torus = Torus { r2, axis: axis(a, b) };
     let outline_radius = outline_radius(r2, k2);
+    let dx_per_column = 1.0 / k1x;
     for (row, line) in framebuffer.chunks_exact_mut(width).enumerate() {
-        // A ray can hit only inside the outline of the bounding sphere, a circle. In this row, the circle
-        // reaches from cx - half_width to cx + half_width. (Above and below it, half_width is 0: one cell is
-        // left, and its ray misses.)
+        // A ray can hit only inside the outline of the bounding sphere, where dx^2 + dy^2 is at most
+        // `outline_radius`^2. In this row, that is from cx - half_width to cx + half_width. (Above and below
+        // the outline, half_width is 0: one cell is left, and its ray misses.)
         let dy = (row as f64 + 0.5 - cy) / k1y;
         let half_width = (outline_radius * outline_radius - dy * dy).max(0.0).sqrt() * k1x;
         let (start, end) = ((cx - half_width) as usize, width.min((cx + half_width) as usize + 1));
         // The last group of rays may reach beyond `end`, where there is no cell for them.
         for (i, cells) in line[start..end].chunks_mut(8).enumerate() {
             let x = (start + 8 * i) as f64 + f64x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
-            let rays = torus.rays((x - cx) / k1x, dy, k2);
-            let hits = Quartic::new(r2, &rays).first_hits(torus.entry(&rays));
+            let rays = torus.rays((x - cx) * dx_per_column, dy, k2);
+            let hits = torus.quartic(&rays).first_hits(torus.entry(&rays));
+            // A comparison gives a mask: `any` asks whether it is true in any lane.
             if !hits.simd_lt(f64x8::splat(MISS)).any() {
                 continue; // No luminance is needed.
             }
@@ -479,20 +482,35 @@ impl Torus {
         }
     }
 
-    /// The s where each ray enters the donut's bounding volume: the slice of the bounding sphere between
-    /// the planes f = -1 and f = 1, which contain the donut, as f = sin theta. (With the sphere alone, a
-    /// frame would take a tenth longer.) Except for rounding, no hit comes before it; a ray that almost
-    /// lies in one of the planes may start past a place where it grazes the tube. For a ray that misses the
-    /// volume, any s will do, even infinity: it has no hit.
-    fn entry(&self, &Rays { d0_squared, f0, fu, .. }: &Rays) -> f64x8 {
+    /// The s where each ray enters the bounding sphere, whose radius is R1 + R2: no hit comes before it. For
+    /// a ray that misses the sphere, any s will do. (`fast_max` is `max` for numbers other than NaN.)
+    fn entry(&self, &Rays { d0_squared, .. }: &Rays) -> f64x8 {
         let sphere_radius = 1.0 + self.r2;
-        let sphere_entry = -(sphere_radius * sphere_radius - d0_squared).max(f64x8::ZERO).sqrt();
-        // A ray enters the slice through the plane f = -1 if f grows along the ray, otherwise through f = 1.
-        // If fu is 0, the ray never crosses the planes. Between them, `slice_entry` is -infinity; in one of
-        // them, it is -infinity or NaN, which `max` ignores: the sphere decides. Outside, any s will do.
-        let plane = f64x8::ONE.copysign(-fu);
-        let slice_entry = (plane - f0) / fu;
-        sphere_entry.max(slice_entry)
+        -(sphere_radius * sphere_radius - d0_squared).fast_max(f64x8::ZERO).sqrt()
+    }
+
+    /// Each ray's G (see `Quartic`). Let h be the distance of P from the axis. The square of P's distance from
+    /// the ring is (h - R2)^2 + f^2: 1 on the surface, more outside, and less inside. So G can be
+    /// (h - R2)^2 + f^2 - 1 times anything positive, such as (h + R2)^2 + f^2 - 1, which is positive because
+    /// R2 > 1. In the product, h appears only as h^2, a polynomial in s. With m = h^2 + f^2 + R2^2 - 1, which
+    /// is |P|^2 + R2^2 - 1:
+    /// ```text
+    /// G = (m - 2 R2 h) (m + 2 R2 h) = m^2 - 4 R2^2 h^2 = m^2 - 4 R2^2 (|P|^2 - f^2)
+    ///   = (s^2 + m0)^2 - 4 R2^2 (d0^2 + s^2 - (f0 + fu s)^2)     where m0 = d0^2 + R2^2 - 1
+    ///   = s^4 + 2 p s^2 + 2 q s + (p^2 + c)      so, comparing coefficients:
+    /// p = m0 - 2 R2^2 (1 - fu^2)
+    /// q = 4 R2^2 f0 fu
+    /// c = m0^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
+    /// ```
+    /// Because s is measured from P0, there is no s^3, and the coefficients stay small, however far away the
+    /// viewer is.
+    fn quartic(&self, &Rays { d0_squared, f0, fu, .. }: &Rays) -> Quartic {
+        let r2_squared = self.r2 * self.r2;
+        let m0 = d0_squared + r2_squared - 1.0;
+        let p = m0 - 2.0 * r2_squared * (1.0 - fu * fu);
+        let q = 4.0 * r2_squared * f0 * fu;
+        let c = m0 * m0 - p * p - 4.0 * r2_squared * (d0_squared - f0 * f0);
+        Quartic { p, q, c }
     }
 
     /// The luminance L of each hit: the dot product of the normal and `light`. For a miss, it means nothing.
@@ -530,41 +548,12 @@ struct Quartic {
 /// The s of a ray that misses the donut.
 const MISS: f64 = f64::INFINITY;
 
-/// A step no longer than this, in units of R1, is the last one of a search. But for rounding, if G falls at
-/// s, the search ends at most about TOLERANCE^2 outside the surface, whatever R2 is. For let P be the point
-/// at r, and D the square of its distance from the ring, minus 1: P is about D / 2 outside. At r, G is w^2,
-/// which is all that the parabola leaves out (see `first_hits`), so `D <= 2 TOLERANCE^2`, about, follows
-/// from
-/// ```text
-/// D (4 R2 h + D) = G = w^2 <= 4 s^2 TOLERANCE^2, about
-/// s^2 <= |P|^2 < 2 R2 h + D
-/// ```
-const TOLERANCE: f64 = 1e-8;
+/// A step no longer than this, in units of R1, is the last one of a search. It decides how far outside the
+/// surface a search may end: see `first_hits`. This is the largest power of ten with which the tests find
+/// every hit on the surface, within rounding errors of 1e-13 (1 + R2).
+const TOLERANCE: f64 = 1e-7;
 
 impl Quartic {
-    /// Let h be the distance of P from the axis. The square of its distance from the ring is (h - R2)^2 +
-    /// f^2: 1 on the surface, more outside, and less inside. So G can be (h - R2)^2 + f^2 - 1 times anything
-    /// positive, such as (h + R2)^2 + f^2 - 1, which is positive because R2 > 1. In the product, h appears
-    /// only as h^2, a polynomial in s. With m = h^2 + f^2 + R2^2 - 1 = |P|^2 + R2^2 - 1:
-    /// ```text
-    /// G = (m - 2 R2 h) (m + 2 R2 h) = m^2 - 4 R2^2 h^2 = m^2 - 4 R2^2 (|P|^2 - f^2)
-    ///   = (s^2 + m0)^2 - 4 R2^2 (d0^2 + s^2 - (f0 + fu s)^2)     where m0 = d0^2 + R2^2 - 1
-    ///   = s^4 + 2 p s^2 + 2 q s + (p^2 + c)      so, comparing coefficients:
-    /// p = m0 - 2 R2^2 (1 - fu^2)
-    /// q = 4 R2^2 f0 fu
-    /// c = m0^2 - p^2 - 4 R2^2 (d0^2 - f0^2)
-    /// ```
-    /// Because s is measured from P0, there is no s^3, and the coefficients stay small, however far away the
-    /// viewer is.
-    fn new(r2: f64, &Rays { d0_squared, f0, fu, .. }: &Rays) -> Quartic {
-        let r2_squared = r2 * r2;
-        let m0 = d0_squared + r2_squared - 1.0;
-        let p = m0 - 2.0 * r2_squared * (1.0 - fu * fu);
-        let q = 4.0 * r2_squared * f0 * fu;
-        let c = m0 * m0 - p * p - 4.0 * r2_squared * (d0_squared - f0 * f0);
-        Quartic { p, q, c }
-    }
-
     /// The s of each ray's first hit, or `MISS`.
     ///
     /// All of the donut is in front of the viewer, so the first hit is the first root of G. The search starts
@@ -573,64 +562,85 @@ impl Quartic {
     /// root of the parabola right of s. Before r, both are positive: except for rounding, no root is passed,
     /// and G is not negative at r.
     /// ```text
-    ///  *                                                            G
-    ///                        ************                          *
-    ///   *                 ***            ***
-    ///    **            ***                  **                    *
-    ///      **       ***                       **                 *
-    ///        *s*****                            ***             *
-    ///  ----------::::r::---------------------------**----------*-------> s
-    ///                   :::::::::                    ***     **  ::::
-    ///                            :::::::::::::::::::::::*****::::
+    ///         *                                                        * :
+    ///          *                                                      *  :
+    ///           s                ************                         * :  G
+    ///            *            ***            ***                     * :
+    ///             **       ***                  **                   *:
+    ///              :*******                       **                *:
+    ///      ---------r:-------------------------------**-------------*:------>
+    ///                :                                *           *:
+    ///                 :                                ***       *
+    ///                  :                                  *******
     /// ```
-    /// For a step >= 0 from s, let base = s^2 + p, and w = (s + step)^2 - s^2 = 2 s step + step^2:
+    /// For a step to s + t, let base = s^2 + p, and w = (s + t)^2 - s^2:
     /// ```text
-    /// G(s + step) = (base + w)^2 + 2 q (s + step) + c
-    ///            >= base^2 + 2 base w + 2 q (s + step) + c        because w^2 >= 0
-    ///             = g + 2 (2 base s + q) step + 2 base step^2     where g = G(s)
-    ///            >= g - 2 fall step + 2 base step^2               where fall = max(-2 base s - q, 0)
+    /// G(s + t) = (base + w)^2 + 2 q (s + t) + c
+    ///         >= base^2 + 2 base w + 2 q (s + t) + c         because w^2 >= 0
+    ///          = g + 2 (2 base s + q) t + 2 base t^2         where g = G(s), as w = 2 s t + t^2
+    ///         >= g - 2 fall t + 2 base t^2                   where fall = max(-2 base s - q, 0), as t >= 0
     /// ```
     /// The last line is the parabola. `fall` is half the slope at which G falls. Where G falls, only w^2 is
-    /// left out: the parabola has G's value and slope at s, and touches G again where w is 0, at -s (in the
-    /// picture, on the right). Where G rises, its slope is left out as well, because with it, the sum below
-    /// would be a difference, and lose digits. That costs some steps, but no root.
+    /// left out: the parabola has G's value and slope at s, and touches G again where w is 0, at -s. Where G
+    /// rises, its slope is left out as well, because with it, the sum below would be a difference, and lose
+    /// digits. That costs some steps, but no root.
     ///
-    /// If g > 0, division by step^2 makes the parabola a quadratic in 1/step. The first root right of s has
-    /// the largest 1/step, which is `(fall + sqrt(fall^2 - 2 base g)) / g`.
+    /// If g > 0, division by t^2 makes the parabola a quadratic in 1/t. The first root right of s has the
+    /// largest 1/t, which is `(fall + sqrt(fall^2 - 2 base g)) / g`.
     ///
     /// A search ends in one of three ways:
-    /// - g > 0, and this 1/step is 0 or NaN: the parabola stays positive right of s, and so does G. r is
-    ///   infinite, and the ray misses. (From an infinite `entry`, r is infinite or NaN: a miss, too.)
-    /// - g is 0, or negative by rounding: r is not right of s, or NaN (which `max` ignores). The hit is at s.
-    /// - The step is at most TOLERANCE. The hit is at r, at most about TOLERANCE^2 outside the surface. It
-    ///   may be a graze: G comes so near 0, and turns. (Of 10^8 searches that hit, none ended where G rises.)
+    /// - g > 0, and the parabola has no root right of s, so G has none: r is infinite, and the ray misses.
+    /// - g is 0, or negative by rounding: r is not right of s, or NaN, which `max` ignores. The hit is at s.
+    /// - The step is at most TOLERANCE. The hit is at r. (It may be a graze: G comes so near 0, and turns.)
     ///
-    /// It does end, because all other steps are longer, and far out, base is positive and fall is 0. Near a
-    /// simple root, it is as fast as Newton's method. Usually it takes about three steps; in 10^9 rays of
-    /// pictures, the most was 26. Rays made to have a multiple root may take more than a thousand, and if
-    /// R2 is 30, rounding may end their search about 0.01 before or after the root, with 8 L off by less
-    /// than 0.02. A graze may or may not count as a hit.
+    /// It does end: all other steps are longer than TOLERANCE, and far enough beyond the donut, base > 0 and
+    /// fall = 0, so that the parabola has no root.
+    ///
+    /// How far outside the surface is the point P of the third ending? Let D be the square of its distance
+    /// from the ring, minus 1, so that P is about D / 2 outside. If G falls at s:
+    /// ```text
+    /// G(r) = D (D + 4 R2 h)                                         as G = (m - 2 R2 h) (m + 2 R2 h), and
+    ///                                                               m = |P|^2 + R2^2 - 1 = 2 R2 h + D
+    /// G(r) = w^2 = (r - s)^2 (r + s)^2 <= about TOLERANCE^2 4 r^2   because the parabola is 0 at r
+    /// r^2 <= |P|^2 = 2 R2 h + D - (R2^2 - 1) < 2 R2 h + D           by the definition of D
+    /// D <= 4 TOLERANCE^2 (2 R2 h + D) / (4 R2 h + D)                from the three lines above
+    /// ```
+    /// The fraction is at most 1, so D is tiny; and then it is about 1/2, and D at most about 2 TOLERANCE^2.
+    ///
+    /// If G does not fall at s, then g <= -2 base TOLERANCE^2. As G has not been negative before s, it curves
+    /// upward where it is so small: G'' = 8 s^2 + 4 base >= 0, about. So g <= 4 s^2 TOLERANCE^2, and as above,
+    /// D is at most about 2 TOLERANCE^2 at s. Up to r, G rises by its slope, which is at most sqrt(2 G'' g),
+    /// and by w^2: there, D is at most about 4 TOLERANCE^2.
+    ///
+    /// Near a simple root, the search is as fast as Newton's method. Usually it takes three or four steps, as
+    /// counted in the study in tests/chart. But for rays made to have a multiple root, it may take more than a
+    /// thousand, and rounding may end it up to 0.1 along the ray from the root, with 8 L off by less than
+    /// 0.05. A graze may or may not count as a hit.
     fn first_hits(&self, entry: f64x8) -> f64x8 {
         let mut s = entry;
         loop {
-            let r = self.step(s);
+            let r = self.parabola_root(s);
             let goes_on = r.simd_gt(s + TOLERANCE) & r.simd_lt(f64x8::splat(MISS));
             if !goes_on.any() {
                 return s.max(r);
             }
-            // A lane whose search is over stays where it is: its neighbours do not matter.
+            // `select` takes r in the lanes whose search goes on. The others stay at their s, so that no ray
+            // depends on its neighbours.
             s = goes_on.select(r, s);
         }
     }
 
-    /// One step of the search, from s to r.
-    fn step(&self, s: f64x8) -> f64x8 {
+    /// If g > 0, the first root of the parabola right of s, or infinity. Otherwise no place right of s, or
+    /// NaN.
+    fn parabola_root(&self, s: f64x8) -> f64x8 {
         let &Quartic { p, q, c } = self;
         let base = s * s + p;
         let g = base * base + (2.0 * q * s + c);
         let fall = (-2.0 * base * s - q).fast_max(f64x8::ZERO);
-        // If the parabola has no root, this sum is NaN or 0. `max` makes it 0, and if g > 0, r infinite.
-        s + g / (fall + (fall * fall - 2.0 * base * g).sqrt()).max(f64x8::ZERO)
+        let discriminant = fall * fall - 2.0 * base * g;
+        let has_root = discriminant.simd_ge(f64x8::ZERO);
+        // Without a root, or if base and fall are 0, the divisor is 0, and if g > 0, the quotient is infinite.
+        s + g / has_root.select(fall + discriminant.sqrt(), f64x8::ZERO)
     }
 }
 

@@ -45,8 +45,7 @@ pub struct Hits {
 /// What N by N rays hit in each cell.
 pub fn hits<const N: usize>(view: &View, a: f64, b: f64) -> Vec<Hits> {
     let mut cells = vec![Hits::default(); view.width * view.height];
-    let exact =
-        |torus: &Torus, rays: &Rays| Quartic::new(torus.r2, rays).first_hits(torus.entry(rays));
+    let exact = |torus: &Torus, rays: &Rays| torus.quartic(rays).first_hits(torus.entry(rays));
     follow::<N>(view, (a, b), exact, |cell, luminance| {
         cells[cell].count += 1;
         cells[cell].light += luminance.max(0.0);
@@ -104,7 +103,7 @@ pub fn sphere_tracing(most_steps: usize) -> impl Fn(&Torus, &Rays) -> f64x8 {
 /// With `y = v - 2/3 p` the resolvent becomes `v^3 - 3 m v - 2 n = 0`. If this has three roots, the
 /// largest is found by a cosine. If it has one, the root is found by Cardano's formula.
 pub fn closed_form(torus: &Torus, rays: &Rays) -> f64x8 {
-    let Quartic { p, q, c } = Quartic::new(torus.r2, rays);
+    let Quartic { p, q, c } = torus.quartic(rays);
     let (p, q, r) = (2.0 * p, 2.0 * q, p * p + c);
     let m = (p * p + 12.0 * r) / 9.0;
     let n = p * p * p / 27.0 - 4.0 / 3.0 * p * r + q * q / 2.0;
@@ -139,7 +138,7 @@ pub fn closed_form(torus: &Torus, rays: &Rays) -> f64x8 {
 pub fn newton_once(torus: &Torus, rays: &Rays) -> f64x8 {
     let radius = 1.0 + torus.r2;
     let half = (radius * radius - rays.d0_squared).max(f64x8::ZERO).sqrt();
-    let Quartic { p, q, c } = Quartic::new(torus.r2, rays);
+    let Quartic { p, q, c } = torus.quartic(rays);
     let (mut s, mut step) = (-half, f64x8::splat(MISS));
     for _ in 0..64 {
         let steps = step.abs().simd_gt(1e-8);
