@@ -91,7 +91,7 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
 use std::time::{Duration, Instant};
-use std::{array, env, fmt::Display, panic, process, str::FromStr, thread};
+use std::{array, env, fmt::Display, mem, panic, process, str::FromStr, thread};
 
 use clap::{CommandFactory, Parser, ValueEnum, ValueHint, error::ErrorKind};
 use crossterm::style::{self, Color, Print};
@@ -105,10 +105,11 @@ use {
     rustix::event::{PollFd, PollFlags, poll},
     rustix::fs::{Mode, OFlags, fcntl_getfl, fcntl_setfl, open},
     rustix::process::{Signal, getpgrp, kill_current_process_group},
-    rustix::termios::{self, OptionalActions, OutputModes},
-    rustix::{fd::OwnedFd, io::Errno, io::read, stdio},
+    rustix::termios,
+    rustix::{io::Errno, io::read, stdio},
     signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGWINCH},
     signal_hook::{flag, low_level},
+    std::os::fd::{BorrowedFd, OwnedFd},
 };
 
 // ---- View ----------------------------------------------------------------------------------------
@@ -167,7 +168,7 @@ fn outline_radius(r2: f64, k2: f64) -> f64 {
 // clap takes the text of --help from the doc comments of this enum and of `Options`.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum Method {
-    /// As donut.c does: plot many points, and let the nearest win
+    /// Plot many points, show the nearest
     Classic,
     /// Follow a ray through the middle of each character
     Exact,
@@ -223,7 +224,9 @@ impl Renderer {
     }
 
     /// The bytes that show the frame. `clear` says whether to clear the screen first.
-    fn encode(&self, color: Option<Color>, is_terminal: bool, clear: bool) -> io::Result<Vec<u8>> {
+    fn encode(&self, color: Option<u8>, is_terminal: bool, clear: bool) -> io::Result<Vec<u8>> {
+        // In raw mode, `\n` only moves the cursor down.
+        let newline: &[u8] = if is_terminal { b"\r\n" } else { b"\n" };
         let mut bytes = Vec::with_capacity(self.framebuffer.len() + 100);
         // A terminal that supports synchronized updates shows the frame only when it is complete.
         if is_terminal {
@@ -232,16 +235,16 @@ impl Renderer {
         // donut.c's own codes: to clear the screen, and to move the cursor to its top left corner.
         bytes.extend_from_slice(if clear { b"\x1b[2J\x1b[H" } else { b"\x1b[H" });
         if let Some(color) = color {
-            queue!(bytes, style::SetForegroundColor(color))?;
+            queue!(bytes, style::SetForegroundColor(Color::AnsiValue(color)))?;
         }
         // donut.c begins each row with a newline, in place of column 0. So an empty line comes first, and
         // then its row 0, which its test `y > 0` leaves blank.
-        let above: &[&[u8]] =
-            if self.view == View::DONUT_C { &[b"", &[b' '; View::DONUT_C.width]] } else { &[] };
+        let blank_row = [b' '; View::DONUT_C.width];
+        let above: &[&[u8]] = if self.view == View::DONUT_C { &[b"", &blank_row] } else { &[] };
         let rows = self.framebuffer.chunks_exact(self.view.width);
         for (i, row) in above.iter().copied().chain(rows).enumerate() {
             if i > 0 {
-                bytes.push(b'\n');
+                bytes.extend_from_slice(newline);
             }
             let trimmed = if is_terminal { row.trim_ascii_end() } else { row };
             bytes.extend_from_slice(trimmed);
@@ -256,10 +259,15 @@ impl Renderer {
         if is_terminal {
             queue!(bytes, term::EndSynchronizedUpdate)?;
         }
-        bytes.push(b'\n'); // Last, because `io::stdout` holds back what follows the last newline.
+        bytes.extend_from_slice(newline); // Last, because `io::stdout` holds back what follows the last one.
         Ok(bytes)
     }
 }
+
+// Both methods work on eight numbers at a time, in vector instructions. A value of the types `f32x8` and
+// `f64x8`, from the crate wide, is eight numbers, its *lanes*. A formula is written as for one number, and
+// computed in every lane; in a formula, a plain number stands for eight of itself. Each lane rounds as a
+// single number would. Otherwise, `classic` could not match byte for byte.
 
 // ---- classic: samples of the surface -------------------------------------------------------------
 
@@ -718,7 +726,7 @@ struct Options {
     /// that most terminals know; 208 is orange.
     #[arg(long, alias = "colour", help_heading = "Look", verbatim_doc_comment)]
     #[arg(value_parser = parse_color)]
-    color: Option<Color>,
+    color: Option<u8>,
 
     /// Columns [default: all, or 80 in a pipe]
     ///
@@ -766,6 +774,8 @@ const AFTER_HELP: &str = "Keys:
   q, Esc, Ctrl-C  quit
   space, p        pause or resume
   arrow keys      turn the donut
+  +, -            spin faster or slower
+  c               next colour
   m               change the method (not with another --r2 or --k2)
   s               turn the shading off (all dots) or on
   Ctrl-L          draw the screen again
@@ -807,13 +817,15 @@ fn parse_angles(text: &str) -> Result<[f64; 2], String> {
     angles.ok_or_else(|| format!("expected two numbers from {least} to {most}, such as 0.04,0.02"))
 }
 
-fn parse_color(text: &str) -> Result<Color, String> {
-    if let Ok(number) = text.parse() {
-        return Ok(Color::AnsiValue(number));
-    }
+/// The names of colours 0 to 15.
+const COLORS: &str = "black, dark_red, dark_green, dark_yellow, dark_blue, dark_magenta, dark_cyan, grey, \
+    dark_grey, red, green, yellow, blue, magenta, cyan, white";
+
+fn parse_color(text: &str) -> Result<u8, String> {
     let name = text.to_lowercase().replace("gray", "grey").replace(['-', ' '], "_");
-    let color = Color::try_from(name.as_str()).ok().filter(|&color| color != Color::Reset);
-    color.ok_or("expected a name from --help, such as cyan, or a number from 0 to 255".into())
+    let named = COLORS.split(", ").position(|color| color == name).map(|number| number as u8);
+    let number = named.or_else(|| text.parse().ok());
+    number.ok_or_else(|| format!("expected a number from 0 to 255, or one of {COLORS}"))
 }
 
 /// The terminal's size, and the aspect of its cells.
@@ -860,12 +872,13 @@ impl Options {
     /// terminal that does not know its size: nothing limits it.
     fn view(&self, window: Option<Window>) -> View {
         let Window { columns, rows, aspect } = window.unwrap_or(USUAL_WINDOW);
-        let limit = |size: u16| if window.is_some() { size.min(MAX_SIZE) } else { MAX_SIZE };
         // The cursor needs the last row. At 80x24, donut.c's picture leaves another one free.
-        let max_rows = limit(rows.saturating_sub(1).max(1));
-        let all_rows = if (columns, rows) == (80, 24) { 22 } else { max_rows };
-        let width = self.width.unwrap_or(columns).min(limit(columns));
-        let height = self.height.unwrap_or(all_rows).min(max_rows);
+        let free_rows = rows.saturating_sub(1).max(1);
+        let default_height = if (columns, rows) == (80, 24) { 22 } else { free_rows };
+        let [max_width, max_height] =
+            if window.is_some() { [columns, free_rows] } else { [MAX_SIZE; 2] };
+        let width = self.width.unwrap_or(columns).min(max_width).min(MAX_SIZE);
+        let height = self.height.unwrap_or(default_height).min(max_height).min(MAX_SIZE);
         // donut.c's picture begins with a newline, so it needs 24 rows. It is the same in every font.
         let is_usual_aspect = self.aspect.is_none_or(|aspect| aspect == View::ASPECT);
         if (width, height) == (80, 22) && rows >= 24 && self.fits_classic() && is_usual_aspect {
@@ -879,9 +892,7 @@ impl Options {
     fn renderer(&self, window: Option<Window>, method: Option<Method>) -> Renderer {
         let view = self.view(window);
         let default = if view == View::DONUT_C { Method::Classic } else { Method::Exact };
-        // Where classic does not fit, `conflict` has refused `--method classic`, and the key m is ignored.
-        let method = method.filter(|_| self.fits_classic()).unwrap_or(default);
-        Renderer::new(view, method)
+        Renderer::new(view, method.unwrap_or(default))
     }
 }
 
@@ -911,9 +922,10 @@ fn run(options: &Options) -> io::Result<()> {
     if env::var_os("TERM").is_some_and(|name| name == "dumb") {
         return Err(io::Error::other("TERM is dumb, but the picture needs escape codes"));
     }
-    let terminal = Terminal::new(options.frames.is_none())?;
+    let uses_alternate_screen = options.frames.is_none();
+    let terminal = Terminal::new(uses_alternate_screen)?;
     let played = play(options, Some(&terminal));
-    let restored = leave(terminal.uses_alternate_screen);
+    let restored = leave(uses_alternate_screen);
     match terminal.end_signal() {
         Some(signal) => end_by(signal), // Whatever `play` has returned.
         None => played.and(restored),
@@ -927,46 +939,33 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
     // 0 means no limit. If --fps is tiny, a Duration cannot hold the seconds. 1e9, nearly 32 years, will do.
     let seconds = if options.fps > 0.0 { f64::min(1.0 / options.fps, 1e9) } else { 0.0 };
     let interval = Duration::from_secs_f64(seconds);
-    let (angles, method) = ([options.a, options.b], options.method);
-    let mut show = Show { angles, method, is_paused: false, is_shaded: true };
-    // On a terminal, the first iteration asks for the window.
-    let mut drawn_for = (None, method);
-    let mut renderer = options.renderer(None, method);
-    let mut clear = true; // donut.c, too, begins by clearing the screen.
-    let mut frame_count = 0;
+    let mut show = Show::new(options);
+    let mut frame_count: u64 = 0;
     let mut due = Instant::now();
 
-    while options.frames.is_none_or(|frames| frame_count < frames) {
+    while options.frames.is_none_or(|frames| frame_count < frames.into()) {
         let until_due = due.saturating_duration_since(Instant::now());
         let mut redraw = false;
         if let Some(terminal) = terminal {
-            let timeout = if show.is_paused { Duration::MAX } else { until_due };
-            for key in terminal.keys(timeout)? {
-                let is_classic = renderer.classic.is_some();
+            let keys = terminal.keys(if show.is_paused { Duration::MAX } else { until_due })?;
+            redraw = !keys.is_empty(); // Any key redraws, which does no harm.
+            for key in keys {
                 match key {
-                    // \x1b is Esc. Over a slow line, an arrow key's code may come in pieces, and its first
-                    // byte counts as Esc.
-                    'q' | 'Q' | '\x1b' => return Ok(()),
-                    '\x0c' => clear = true, // Ctrl-L.
+                    'q' | 'Q' | '\x1b' => return Ok(()), // \x1b is Esc.
                     #[cfg(unix)] // Ctrl-C, Ctrl-\ and Ctrl-Z.
                     '\x03' | '\x1c' | '\x1a' => {
                         terminal.send_signal(key)?;
                         break; // Keys that were read after it are dropped.
                     }
-                    _ => show.obey(key, if is_classic { Method::Exact } else { Method::Classic }),
+                    _ => show.obey(key),
                 }
-                redraw = true; // For any key, which does no harm.
             }
-            clear |= terminal.was_resized.swap(false, SeqCst); // Even if the old size is back.
-            clear |= terminal.enter()?;
+            show.clear |= terminal.was_resized.swap(false, SeqCst); // Even if the old size is back.
+            show.clear |= terminal.ensure_entered()?;
             if terminal.end_signal().is_some() {
                 return Ok(());
             }
-            let wanted = (terminal.window()?, show.method);
-            if wanted != drawn_for {
-                (drawn_for, clear) = (wanted, true);
-                renderer = options.renderer(wanted.0, wanted.1);
-            }
+            show.fit(terminal.window()?);
         } else {
             thread::sleep(until_due);
         }
@@ -974,49 +973,110 @@ fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
         let is_due = !show.is_paused && due <= Instant::now();
         if is_due {
             if frame_count > 0 {
-                show.angles = renderer.advance(show.angles, options.spin());
+                show.advance();
             }
             frame_count += 1;
             // Each frame is due one interval after the one before was due, so that delays do not add up. But
             // after a stall, the next is due now, so that the missed frames do not come in a burst.
             due = (due + interval).max(Instant::now());
         }
-        if is_due || redraw || clear {
-            renderer.render_frame(show.angles[0], show.angles[1]);
-            if !show.is_shaded {
-                renderer.remove_shading();
-            }
-            let bytes = renderer.encode(options.color, terminal.is_some(), clear)?;
-            io::stdout().write_all(&bytes)?; // The newline at the end flushes it.
-            clear = false;
+        if is_due || redraw || show.clear {
+            let frame = show.encode_frame(terminal.is_some())?;
+            io::stdout().write_all(&frame)?; // The newline at the end flushes it.
         }
     }
     Ok(())
 }
 
-/// What the keys change.
-struct Show {
+/// What is shown: at first, what the options say.
+struct Show<'a> {
+    options: &'a Options,
+    /// The window that the picture is fitted into, if it is known.
+    window: Option<Window>,
+    renderer: Renderer,
+    /// What --method or a key has chosen, if anything: see `Options::renderer`.
+    method: Option<Method>,
     /// A and B of the current frame.
     angles: [f64; 2],
-    /// `None` is the default: see `Options::renderer`.
-    method: Option<Method>,
+    /// The donut spins 1.25^speed times as fast as the options say.
+    speed: i32,
+    color: Option<u8>,
     is_paused: bool,
     is_shaded: bool,
+    /// Whether to clear the screen before the next frame.
+    clear: bool,
 }
 
-impl Show {
-    /// Obeys a key. Other keys do nothing. `other_method` is the one that is not in use.
-    fn obey(&mut self, key: char, other_method: Method) {
+impl<'a> Show<'a> {
+    fn new(options: &'a Options) -> Show<'a> {
+        Show {
+            options,
+            window: None,
+            renderer: options.renderer(None, options.method),
+            method: options.method,
+            angles: [options.a, options.b],
+            speed: 0,
+            color: options.color,
+            is_paused: false,
+            is_shaded: true,
+            clear: true, // donut.c, too, begins by clearing the screen.
+        }
+    }
+
+    /// Obeys a key that changes what is shown. Other keys do nothing.
+    fn obey(&mut self, key: char) {
         match key {
             ' ' | 'p' | 'P' => self.is_paused = !self.is_paused,
-            's' | 'S' => self.is_shaded = !self.is_shaded,
-            'm' | 'M' => self.method = Some(other_method),
             '↑' => self.angles = turned(self.angles, 0.0, -0.1),
             '↓' => self.angles = turned(self.angles, 0.0, 0.1),
             '←' => self.angles = turned(self.angles, -0.1, 0.0),
             '→' => self.angles = turned(self.angles, 0.1, 0.0),
+            // = is often + without Shift.
+            '+' | '=' => self.speed = i32::min(self.speed + 1, 20),
+            '-' => self.speed = i32::max(self.speed - 1, -20),
+            // The bright colours are 8 to 15, and 8 is a bright black.
+            'c' | 'C' => {
+                self.color = match self.color {
+                    Some(number @ 9..15) => Some(number + 1),
+                    _ => Some(9),
+                }
+            }
+            'm' | 'M' if self.options.fits_classic() => {
+                let is_classic = self.renderer.classic.is_some();
+                self.method = Some(if is_classic { Method::Exact } else { Method::Classic });
+                self.renderer = self.options.renderer(self.window, self.method);
+            }
+            's' | 'S' => self.is_shaded = !self.is_shaded,
+            '\x0c' => self.clear = true, // Ctrl-L.
             _ => {}
         }
+    }
+
+    /// Fits the picture into a window.
+    fn fit(&mut self, window: Option<Window>) {
+        if window != self.window {
+            self.window = window;
+            self.renderer = self.options.renderer(window, self.method);
+            self.clear = true;
+        }
+    }
+
+    /// Goes on to the next frame.
+    fn advance(&mut self) {
+        let faster = 1.25_f64.powi(self.speed);
+        let spin = self.options.spin().map(|step| faster * step);
+        self.angles = self.renderer.advance(self.angles, spin);
+    }
+
+    /// The bytes that show the current frame. The next frame need not clear the screen.
+    fn encode_frame(&mut self, is_terminal: bool) -> io::Result<Vec<u8>> {
+        let [a, b] = self.angles;
+        self.renderer.render_frame(a, b);
+        if !self.is_shaded {
+            self.renderer.remove_shading();
+        }
+        let clear = mem::take(&mut self.clear);
+        self.renderer.encode(self.color, is_terminal, clear)
     }
 }
 
@@ -1026,9 +1086,12 @@ impl Show {
 /// The donut looks the same however it is turned about its axis n, so it is n that is rotated: about y,
 /// then about x. From the formula of n, see `axis`, A = atan2(hypot(nx, ny), nz) and B = atan2(nx, -ny).
 /// But -A with B + pi gives the same n, and so do whole turns. Of all these pairs, this one is the nearest
-/// to the old angles, so that the spin changes as little as it can. (Where A is near 0 or pi, B may jump.)
-fn turned([a, b]: [f64; 2], right: f64, down: f64) -> [f64; 2] {
-    // Where z is negative, x - z sin is more than x: the facing side moves to the right, or down.
+/// to the old angles (less their own whole turns), so that the spin changes as little as it can. Where A is
+/// near 0 or pi, B may jump.
+fn turned(angles: [f64; 2], right: f64, down: f64) -> [f64; 2] {
+    // Without whole turns, because f32, in which `classic` keeps its angles, is coarse where they are large.
+    let [a, b] = angles.map(|angle| angle % TAU);
+    // At the point that faces the viewer, x is 0 and z is negative, so it moves to the right, or down.
     let rotate = |x: f64, z: f64, (sin, cos)| (x * cos - z * sin, x * sin + z * cos);
     let [nx, ny, nz] = axis(a, b);
     let (nx, nz) = rotate(nx, nz, right.sin_cos());
@@ -1045,14 +1108,14 @@ fn turned([a, b]: [f64; 2], right: f64, down: f64) -> [f64; 2] {
 
 // To *enter* the terminal is to set three things: raw mode, in which each key is sent at once, is not
 // echoed, and sends no signal; the alternate screen, a second screen for programs that fill it; and a
-// hidden cursor. To *leave* it is to undo these. (The scroll margins and the nonblocking flag that `enter`
-// clears stay cleared.) crossterm knows whether raw mode is set, and so whether the program has entered.
+// hidden cursor. To *leave* it is to undo these. crossterm knows whether raw mode is set, and so whether the
+// program has entered.
 //
 // A *job* is what a shell runs as one command, with all its processes: a process group. One job at a time
 // is in the *foreground*: it has the terminal. The others are in the *background*, and if one of them reads
-// keys or changes settings there, the system stops it. The shell's `fg` gives a stopped job the terminal
-// and resumes it, by SIGCONT; `bg` only resumes it. A job that no shell can resume is stopped only by
-// SIGSTOP.
+// keys or changes settings there, the system stops it, by SIGTTIN or SIGTTOU. The shell's `fg` gives a
+// stopped job the terminal and resumes it, by SIGCONT; `bg` only resumes it. A job that no shell can resume
+// (an *orphaned* process group) is stopped only by SIGSTOP.
 //
 // All this is done in the main thread. The handlers of signals only store a number or a flag. (ctrlc's wakes
 // a thread of its own, which does so.) A signal also interrupts the wait for keys; if it comes just before,
@@ -1062,14 +1125,12 @@ fn turned([a, b]: [f64; 2], right: f64, down: f64) -> [f64; 2] {
 // - q, Esc or the last frame: the loop ends, and `run` leaves. 0.
 // - An error: the same, and `main` shows the message. 1.
 // - SIGINT, SIGTERM, SIGHUP or SIGQUIT: the loop ends, `run` leaves, and ends the program by the signal. 130,
-//   143, 129 or 131.
+//   143, 129 or 131. (Where the terminal takes no output, the loop is in a write, and the signal waits, like
+//   any key, until the whole frame is written.)
 // - Ctrl-C and Ctrl-\ are keys. The loop leaves, sends the job SIGINT or SIGQUIT, and ends as above. (On
 //   Windows, Ctrl-C is a q.)
-// - The terminal is gone: by SIGHUP, 129. Without one, the loop finds out within a second: an error, 1.
+// - The terminal is gone: by SIGHUP, 129. If none comes, the loop finds out within a second: an error, 1.
 // - A panic: its hook leaves, and shows the message; then the main thread unwinds. 101.
-//
-// Where the terminal takes no output, the loop is stuck in a write. Until it takes some, keys and the
-// signals above wait.
 //
 // What stops the program, until `fg`:
 // - Ctrl-Z is a key. The loop leaves, stops the job, and enters again (at once if no shell can resume it).
@@ -1081,7 +1142,7 @@ fn turned([a, b]: [f64; 2], right: f64, down: f64) -> [f64; 2] {
 struct Terminal {
     /// With --frames, the alternate screen is not used, because the last frame has to stay.
     uses_alternate_screen: bool,
-    /// The terminal, opened again to read keys: see `Terminal::open_tty`.
+    /// The terminal that keys come from, opened again: see `Terminal::open_tty`.
     #[cfg(unix)]
     tty: OwnedFd,
     /// The number of the last signal that has asked the program to end, or 0.
@@ -1108,10 +1169,14 @@ impl Terminal {
             was_resized: Default::default(),
         };
         terminal.handle_signals()?;
-        // `(donut &)` starts in the foreground, with /dev/null as input, and a moment later, the shell takes
-        // the terminal back. If the program had entered by then, the shell would take raw mode for the user's
-        // own settings.
         if !io::stdin().is_terminal() {
+            // Without a terminal as input, crossterm sets raw mode on the controlling terminal. Keys have to
+            // come from that one: for any other, this fails.
+            #[cfg(unix)]
+            termios::tcgetpgrp(keyboard()).map_err(no_keys)?;
+            // `(donut &)` starts in the foreground, with /dev/null as input, and a moment later, the shell
+            // takes the terminal back. If the program had entered by then, the shell would take raw mode for
+            // the user's own settings.
             thread::sleep(Duration::from_millis(50));
         }
         Ok(terminal)
@@ -1153,7 +1218,7 @@ impl Terminal {
 
     /// Enters at the start, after Ctrl-Z, and after another stop, but not if a signal asks the program to
     /// end. Says whether it has entered, because all has to be drawn again then.
-    fn enter(&self) -> io::Result<bool> {
+    fn ensure_entered(&self) -> io::Result<bool> {
         #[cfg(unix)]
         self.wait_for_foreground()?;
         let inside = term::is_raw_mode_enabled()?;
@@ -1171,26 +1236,16 @@ impl Terminal {
             }
             term::disable_raw_mode()?;
         }
-        // crossterm sets the terminal of standard input, or else /dev/tty, which has to be the one that shows
-        // the donut.
-        term::enable_raw_mode().map_err(|error| {
-            io::Error::other(format!("cannot read keys from the terminal: {error}"))
-        })?;
+        term::enable_raw_mode().map_err(no_keys)?;
+        // If another program has made the terminal nonblocking, a write would fail instead of waiting. (When
+        // the program leaves, it stays blocking.)
         #[cfg(unix)]
-        {
-            // `\n` leads to the start of a new line, as `encode` takes for granted.
-            let mut settings = termios::tcgetattr(&self.tty)?;
-            settings.output_modes |= OutputModes::OPOST | OutputModes::ONLCR;
-            termios::tcsetattr(&self.tty, OptionalActions::Now, &settings)?;
-            // If another program has made the terminal nonblocking, a write would fail instead of waiting.
-            // This stays when the program leaves.
-            fcntl_setfl(stdio::stdout(), fcntl_getfl(stdio::stdout())? - OFlags::NONBLOCK)?;
-        }
+        fcntl_setfl(stdio::stdout(), fcntl_getfl(stdio::stdout())? - OFlags::NONBLOCK)?;
         if self.uses_alternate_screen {
             queue!(stdout, term::EnterAlternateScreen)?;
         } else if let Some(window) = self.window()? {
             // What is on the screen scrolls up into the scrollback.
-            queue!(stdout, Print("\n".repeat(window.rows.into())))?;
+            queue!(stdout, Print("\r\n".repeat(window.rows.into())))?;
         }
         // `ESC [ r` removes scroll margins that another program has left. They would cut the picture.
         execute!(stdout, Print("\x1b[r"), cursor::Hide)?;
@@ -1198,60 +1253,101 @@ impl Terminal {
     }
 }
 
+/// What may stand in the code of a key before its last letter: digits and punctuation.
+#[cfg(unix)]
+const PARAMETERS: RangeInclusive<u8> = b' '..=b'?';
+
 #[cfg(unix)]
 impl Terminal {
-    /// Opens the terminal that shows the donut a second time, as nonblocking, because another program may
-    /// take the keys between `poll` and `read`. Standard output is shared with the shell, and must stay
-    /// blocking.
+    /// Opens a second time, as nonblocking, the terminal that keys come from, because another program may
+    /// take the keys between `poll` and `read`. (The first one, which the shell shares, must stay blocking.)
     ///
     /// The name is that of the terminal, because macOS's `poll` does not know /dev/tty. After `su`, the
-    /// terminal is another user's, and cannot be opened. Then keys are read from standard output, where
-    /// reading may wait.
+    /// terminal is another user's, and cannot be opened. Then the first one is read, where reading may wait.
     fn open_tty() -> io::Result<OwnedFd> {
-        termios::ttyname(stdio::stdout(), Vec::new())
-            .and_then(|name| open(&name, OFlags::NONBLOCK, Mode::empty()))
-            .or_else(|_| stdio::stdout().try_clone_to_owned())
+        termios::ttyname(keyboard(), Vec::new())
+            .and_then(|name| open(&name, OFlags::NONBLOCK | OFlags::NOCTTY, Mode::empty()))
+            .or_else(|_| keyboard().try_clone_to_owned())
     }
 
     /// The keys that have been pressed: characters, and arrows for the arrow keys. Waits for one, but no
     /// longer than `timeout`, and not after a signal. (At least once a second, the loop looks whether a
     /// signal came, and whether the terminal is gone.) Keys that were typed ahead count, too.
     fn keys(&self, timeout: Duration) -> io::Result<Vec<char>> {
-        let timeout = timeout.min(Duration::from_secs(1)).try_into().map_err(io::Error::other)?;
+        let mut bytes = self.read(timeout.min(Duration::from_secs(1)))?;
+        // Over a slow line, an arrow key's code may come in pieces, each a little later.
+        while Terminal::ends_in_code(&bytes) {
+            let more = self.read(Duration::from_millis(50))?;
+            if more.is_empty() {
+                break;
+            }
+            bytes.extend(more);
+        }
+        Ok(Terminal::parse_keys(&bytes))
+    }
+
+    /// What the terminal sends within this time. It is empty if that is nothing, or after a signal.
+    fn read(&self, timeout: Duration) -> io::Result<Vec<u8>> {
+        let timeout = timeout.try_into().map_err(io::Error::other)?;
         let ready = poll(&mut [PollFd::new(&self.tty, PollFlags::IN)], Some(&timeout));
         // In the background, reading would stop the job.
         if ready != Ok(1) || is_in_background() {
             return Ok(Vec::new());
         }
-        let mut bytes = [0; 4096];
-        match read(&self.tty, &mut bytes) {
-            Ok(count) => Ok(Terminal::parse_keys(&bytes[..count])),
-            Err(Errno::AGAIN) => Ok(Vec::new()), // Another program has read them, or waits for them.
-            Err(error) => Err(error.into()),
-        }
+        let mut bytes = vec![0; 4096];
+        let count = match read(&self.tty, &mut bytes) {
+            // The terminal is gone. (Before raw mode, it may be a Ctrl-D that was typed ahead.)
+            Ok(0) if term::is_raw_mode_enabled()? => {
+                return Err(no_keys(io::ErrorKind::UnexpectedEof));
+            }
+            Err(Errno::AGAIN) => 0, // Another program has read them, or waits for them.
+            count => count?,
+        };
+        bytes.truncate(count);
+        Ok(bytes)
     }
 
-    /// The keys in what a terminal has sent. An Esc at its end is the Esc key.
+    /// Whether the last bytes may be the beginning of an arrow key's code. (Esc alone may also be the Esc key.
+    /// Three in a row are that key, held down; the wait for more might never end.)
+    fn ends_in_code(bytes: &[u8]) -> bool {
+        let last = bytes.iter().rposition(|&byte| byte == 0x1b);
+        last.is_some_and(|last| match &bytes[last + 1..] {
+            [b'[' | b'O', rest @ ..] => rest.iter().all(|byte| PARAMETERS.contains(byte)),
+            rest => rest.is_empty() && !bytes.ends_with(b"\x1b\x1b\x1b"),
+        })
+    }
+
+    /// The keys in what a terminal has sent. Each byte is a character, at most ÿ, so that a typed ↑ is not
+    /// taken for the arrow key.
     fn parse_keys(bytes: &[u8]) -> Vec<char> {
-        let (mut keys, mut bytes) = (Vec::new(), bytes.iter());
-        while let Some(&byte) = bytes.next() {
-            match (byte, bytes.as_slice()) {
+        let (mut keys, mut bytes) = (Vec::new(), bytes.iter().copied().peekable());
+        while let Some(byte) = bytes.next() {
+            if byte != 0x1b {
+                keys.push(byte.into());
+                continue;
+            }
+            // A code ends with its last letter, or before a control character such as Ctrl-C, which is a key.
+            match bytes.next_if(|byte| *byte >= b' ') {
                 // The arrow keys send `ESC [ A` to `ESC [ D`, or with O in place of [. Before the letter,
-                // there may be numbers, such as for Shift. Other letters are other keys, or answers of the
-                // terminal.
-                (0x1b, [b'[' | b'O', ..]) => {
-                    let letter = bytes.by_ref().skip(1).find(|byte| !(b' '..=b'?').contains(byte));
-                    if let Some(letter @ b'A'..=b'D') = letter {
-                        keys.push(['↑', '↓', '→', '←'][usize::from(letter - b'A')]);
+                // there may be parameters, such as for Shift. Other letters are other keys, or answers of
+                // the terminal.
+                Some(b'[' | b'O') => {
+                    while bytes.next_if(|byte| PARAMETERS.contains(byte)).is_some() {}
+                    match bytes.next_if(|byte| *byte >= b' ') {
+                        Some(letter @ b'A'..=b'D') => {
+                            keys.push(['↑', '↓', '→', '←'][usize::from(letter - b'A')])
+                        }
+                        // On Linux's console, F1 to F5 send `ESC [ [ A` to `ESC [ [ E`.
+                        Some(b'[') => _ = bytes.next_if(|byte| *byte >= b' '),
+                        _ => {}
                     }
                 }
-                // Some answers are texts, up to BEL or `ESC \`. (The \ is then a key that does nothing.)
-                (0x1b, [b'P' | b']' | b'_', ..]) => {
-                    _ = bytes.find(|byte| [0x07, 0x1b].contains(byte))
-                }
-                (0x1b, [0x1b, ..]) => {} // Alt, and a key that begins with Esc, too.
-                (0x1b, [_, ..]) => _ = bytes.next(), // Alt and a key.
-                _ => keys.push(char::from(byte)),
+                // Other answers are texts, which end with BEL or `ESC \`.
+                Some(b'P' | b']' | b'_') => while bytes.next_if(|byte| *byte >= b' ').is_some() {},
+                Some(_) => {} // Alt and a key.
+                // The Esc key, or else Alt and another control character, or an arrow key.
+                None if bytes.peek().is_none() => keys.push('\x1b'),
+                None => {}
             }
         }
         keys
@@ -1275,24 +1371,38 @@ impl Terminal {
     /// If the program entered here, crossterm would first save the shell's settings as those to restore, and
     /// only then would the system stop the job.
     fn wait_for_foreground(&self) -> io::Result<()> {
-        // Handlers may run in ctrlc's thread, and a little late.
-        let soon = |has_come: &dyn Fn() -> bool| {
-            (0..10).any(|_| {
-                thread::sleep(Duration::from_millis(10));
-                has_come()
-            })
-        };
-        // Most shells also resume a stopped job when they kill it.
-        while is_in_background() && !soon(&|| self.end_signal().is_some() || !is_in_background()) {
+        while is_in_background() {
+            // The shell may be about to give the job the terminal. Or it kills the job: most shells resume a
+            // stopped job for that, and their signal comes a moment later.
+            if becomes_true(|| self.end_signal().is_some() || !is_in_background()) {
+                break;
+            }
             self.was_resumed.store(false, SeqCst);
-            kill_current_process_group(Signal::TTOU)?;
-            // If no shell can resume the job, the system has ignored the signal.
-            if !soon(&|| self.was_resumed.load(SeqCst)) {
+            kill_current_process_group(Signal::TTOU)?; // The job is stopped here, until SIGCONT.
+            if !becomes_true(|| self.was_resumed.load(SeqCst)) {
+                // It was not stopped: the system ignores the signal in a job that no shell can resume.
                 return Err(io::Error::other("no shell can bring this job to the foreground"));
             }
         }
         Ok(())
     }
+}
+
+/// Waits until something is true, but no longer than a tenth of a second. (The handler of a signal may come
+/// a little late, because the system may run it in ctrlc's thread.)
+#[cfg(unix)]
+fn becomes_true(condition: impl Fn() -> bool) -> bool {
+    (0..10).any(|_| {
+        thread::sleep(Duration::from_millis(10));
+        condition()
+    })
+}
+
+/// The terminal that keys come from: standard input's, which is the one that crossterm sets to raw mode, or
+/// else standard output's.
+#[cfg(unix)]
+fn keyboard() -> BorrowedFd<'static> {
+    if io::stdin().is_terminal() { stdio::stdin() } else { stdio::stdout() }
 }
 
 #[cfg(windows)]
@@ -1349,9 +1459,13 @@ fn cell_aspect((columns, rows): (u16, u16), (width, height): (u16, u16)) -> f64 
 /// Whether another job of this session, such as the shell, has the terminal.
 fn is_in_background() -> bool {
     #[cfg(unix)]
-    return termios::tcgetpgrp(stdio::stdout()).is_ok_and(|group| group != getpgrp());
+    return termios::tcgetpgrp(keyboard()).is_ok_and(|group| group != getpgrp());
     #[cfg(windows)]
     false
+}
+
+fn no_keys(error: impl Into<io::Error>) -> io::Error {
+    io::Error::other(format!("cannot read keys from the terminal: {}", error.into()))
 }
 
 /// Ends the program by this signal, so that the shell or script that runs it can tell what ended it.

@@ -4,7 +4,7 @@
 
 mod program;
 
-use std::io::Read;
+use std::io::{Read, Write, stderr};
 use std::process::{Command, Stdio};
 use std::{env, fs};
 
@@ -70,12 +70,8 @@ fn the_donut_shaped_source_is_a_program_that_writes_donut_cs_frames() {
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/unit/donut.rs");
     let program = concat!(env!("CARGO_TARGET_TMPDIR"), "/donut-shaped");
     let rustc = env::var("RUSTC").unwrap_or("rustc".into());
-    let version = Command::new(&rustc).arg("--version").output().map(|output| output.stdout);
-    let version = String::from_utf8(version.unwrap_or_default()).unwrap();
-    // The edition of 2024 came with Rust 1.85.
-    let is_new = version.split('.').nth(1).and_then(|minor| minor.parse().ok()) >= Some(85);
-    if !is_new || !ROUNDS_AS_DONUT_C {
-        return println!("skipped: {rustc} is missing or too old, or this is an x86 without SSE2");
+    if Command::new(&rustc).arg("--version").output().is_err() || !ROUNDS_AS_DONUT_C {
+        return drop(writeln!(stderr(), "skipped: no {rustc}, or an x86 without SSE2"));
     }
     let options = ["--edition=2024", "-O", "-o", program, source];
     assert!(Command::new(&rustc).args(options).status().unwrap().success());

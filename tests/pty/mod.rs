@@ -1,10 +1,11 @@
 //! A program on a pseudo-terminal, and the screen that a person would see.
 
 use std::cell::RefCell;
-use std::fs::{DirEntry, File, read_dir, read_to_string};
+use std::fs::{File, read_dir, read_to_string};
 use std::io::Write;
 use std::num::NonZeroU16;
 use std::os::unix::process::ExitStatusExt;
+use std::path::PathBuf;
 use std::process;
 use std::sync::{Arc, Mutex};
 use std::thread;
@@ -15,7 +16,7 @@ use rustix::fs::{self, Mode, OFlags};
 use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, kill_process_group, setrlimit};
 use vt100::{Parser, Screen};
 
-use super::program::{LIMIT, MINUTE, in_time};
+use super::program::{LIMIT, in_time};
 
 pub struct Pty {
     /// The side of the terminal that the person sees. `None` after the person has hung up.
@@ -78,26 +79,32 @@ fn pty_size((cols, rows): (u16, u16)) -> PtySize {
     PtySize { rows, cols, ..PtySize::default() }
 }
 
+/// What the system says of a process, beginning with its state and its parent: see `man 5 proc`.
+pub fn stat(pid: Pid) -> Option<Vec<String>> {
+    let stat = read_to_string(format!("/proc/{pid}/stat")).ok()?;
+    // A number and a name in parentheses come before.
+    Some(stat.rsplit_once(") ")?.1.split(' ').map(String::from).collect())
+}
+
 impl Pty {
     /// Runs a program on a terminal with this number of columns and of rows.
     pub fn run(program: &str, arguments: &[&str], size: (u16, u16)) -> Pty {
         let pty = Pty::run_unread(program, arguments, size);
-        pty.start_reading(1 << 16, Duration::ZERO);
+        pty.start_reading();
         pty
     }
 
-    /// Begins to read what the program writes: `bytes` at a time, and then a pause.
-    pub fn start_reading(&self, bytes: usize, pause: Duration) {
+    /// Begins to read what the program writes.
+    pub fn start_reading(&self) {
         let mut reader = self.master().try_clone_reader().unwrap();
         let seen = Arc::downgrade(&self.seen);
-        let mut buffer = vec![0; bytes];
+        let mut buffer = vec![0; 1 << 16];
         thread::spawn(move || {
             // After the end, nobody can write any more.
             while let count @ 1.. = reader.read(&mut buffer).unwrap_or(0)
                 && let Some(seen) = seen.upgrade()
             {
                 seen.lock().unwrap().add(&buffer[..count]);
-                thread::sleep(pause);
             }
         });
     }
@@ -138,7 +145,7 @@ impl Pty {
         self.master.as_deref().unwrap()
     }
 
-    /// Types on the keyboard. This panics if the program reads no keys until the terminal takes no more.
+    /// Types on the keyboard. Fails if the program reads no keys until the terminal takes no more.
     pub fn type_bytes(&self, bytes: &[u8]) {
         let (keys, bytes) = (self.keys.clone().unwrap(), bytes.to_vec());
         in_time(move || keys.lock().unwrap().write_all(&bytes)).unwrap();
@@ -175,26 +182,15 @@ impl Pty {
     /// The process that the program runs: for a shell, its job. `None` if it has ended.
     pub fn job(&self) -> Option<Pid> {
         read_dir("/proc").unwrap().flatten().find_map(|process| {
-            let stat = read_to_string(process.path().join("stat")).ok()?;
-            // A number, a name in parentheses, the state, the parent's number, and more: see `man 5 proc`.
-            let (pid, _) = stat.split_once(' ')?;
-            let (state, rest) = stat.rsplit_once(") ")?.1.split_once(' ')?;
-            let is_child = state != "Z" && rest.starts_with(&format!("{} ", self.pid()));
-            is_child.then(|| Pid::from_raw(pid.parse().unwrap()).unwrap())
+            let pid = Pid::from_raw(process.file_name().to_str()?.parse().ok()?)?;
+            let [state, parent, ..] = &stat(pid)?[..] else { return None };
+            (state != "Z" && *parent == self.pid().to_string()).then_some(pid)
         })
     }
 
-    /// Whether all threads of the process that the program runs are stopped.
+    /// Whether the process that the program runs is stopped.
     pub fn is_stopped(&self) -> bool {
-        // A thread that is not stopped yet might still wait for a key, see what is typed for the shell, and
-        // read it in the background, which would stop the program once more.
-        let is_stopped = |thread: DirEntry| {
-            let stat = read_to_string(thread.path().join("stat"));
-            stat.is_ok_and(|stat| stat.contains(") T "))
-        };
-        self.job()
-            .and_then(|job| read_dir(format!("/proc/{job}/task")).ok())
-            .is_some_and(|mut threads| threads.all(|thread| thread.is_ok_and(is_stopped)))
+        self.job().and_then(stat).is_some_and(|stat| stat[0] == "T")
     }
 
     /// Sends a signal to the process that the program runs.
@@ -203,12 +199,16 @@ impl Pty {
         kill_process(self.job().unwrap(), signal).unwrap();
     }
 
+    /// The path of the terminal, such as `/dev/pts/7`.
+    pub fn path(&self) -> PathBuf {
+        self.master().tty_name().unwrap()
+    }
+
     /// Opens the terminal as another program would. A write there fails instead of waiting.
     pub fn open(&self) -> File {
-        let path = self.master().tty_name().unwrap();
         // Without NOCTTY, this could become the terminal that the tests themselves are run from.
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK;
-        fs::open(path, flags, Mode::empty()).unwrap().into()
+        fs::open(self.path(), flags, Mode::empty()).unwrap().into()
     }
 
     /// Waits until the program has written all that the terminal holds while nobody reads it.
@@ -243,18 +243,12 @@ impl Pty {
         String::from_utf8(self.seen.lock().unwrap().bytes.clone()).unwrap()
     }
 
-    /// Waits until something is true. Gives up if nothing is written for a minute, or after ten minutes.
-    /// `what` names it then.
+    /// Waits until something is true, for at most half a minute. `what` names it if it never is.
     #[track_caller]
     pub fn wait_for(&self, what: &str, is_true: impl Fn(&Pty) -> bool) {
         let start = Instant::now();
-        let (mut length, mut last_write) = (0, start);
         while !is_true(self) {
-            let new_length = self.seen.lock().unwrap().bytes.len();
-            if new_length != length {
-                (length, last_write) = (new_length, Instant::now());
-            }
-            let is_late = last_write.elapsed() > MINUTE || start.elapsed() > LIMIT;
+            let is_late = start.elapsed() > LIMIT;
             assert!(!is_late, "{what} never came true:\n{}", self.lines().join("\n"));
             thread::sleep(Duration::from_millis(5));
         }
@@ -264,9 +258,8 @@ impl Pty {
         self.child.borrow_mut().try_wait().unwrap().is_none()
     }
 
-    /// Waits for the program to end with what a shell would call this exit code, and until all that it has
-    /// written is read. Cursor, screen, colour, synchronized updates and settings have to be as they were at
-    /// the start.
+    /// Waits for the program to end (see `wait_for_exit`), and until all that it has written is read. Cursor,
+    /// screen, colour, synchronized updates and settings have to be as they were at the start.
     #[track_caller]
     pub fn assert_ends(&self, code: i32) {
         assert_eq!(self.wait_for_exit(), code);
@@ -289,12 +282,13 @@ impl Pty {
         self.seen.lock().unwrap().bytes.retain(|&byte| byte != END);
     }
 
-    /// Waits for the program to end. Returns what a shell would call its exit code.
+    /// Waits for the program to end. Returns its exit code, or -2 if signal 2 has ended it, and so on. (A shell
+    /// would say 130, whether the signal or `exit(130)` has.)
     #[track_caller]
     pub fn wait_for_exit(&self) -> i32 {
         self.wait_for("the program's end", |pty| !pty.is_running());
         let status = self.child.borrow_mut().wait().unwrap();
-        status.code().unwrap_or_else(|| 128 + status.signal().unwrap())
+        status.code().unwrap_or_else(|| -status.signal().unwrap())
     }
 
     /// Whether the screen is the shell's, with the cursor.

@@ -16,6 +16,8 @@ mod dist;
 #[allow(dead_code, reason = "it is a program, too")]
 mod donut;
 mod exact;
+#[cfg(unix)]
+mod keys;
 mod oracle;
 #[cfg(target_os = "linux")]
 mod panic;
@@ -47,6 +49,10 @@ fn assert_current(name: &str, contents: &str) {
         fs::write(path(name), contents).unwrap();
     }
     assert!(read(name) == contents, "{name} is stale: run UPDATE=1 cargo test, and commit it");
+}
+
+fn options(line: &str) -> Options {
+    Options::parse_from(format!("donut {line}").split_whitespace())
 }
 
 /// donut.c's view, with each cell divided into `scale` by `scale` cells.
