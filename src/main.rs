@@ -654,13 +654,16 @@ impl Quartic {
 
 // ---- Options -------------------------------------------------------------------------------------
 
-/// A spinning ASCII donut for your terminal
+/// A spinning ASCII donut for your terminal, after donut.c, a C program of 2006
 ///
-/// The donut fills the window and spins until you press q. In a pipe or a file,
-/// frames are written as donut.c writes them, escape codes included. There, the
-/// picture is 80x22 unless you set another size, and Ctrl-C ends it.
+/// The donut fills the window, and spins until you press q. In a window of 80x24
+/// it is donut.c's own picture, which has 80x22 characters.
+///
+/// In a pipe or a file, donut writes frames as donut.c does, escape codes
+/// included. By default these are 80x22; Ctrl-C ends them.
 #[derive(Parser)]
-#[command(name = "donut", version, verbatim_doc_comment, after_help = AFTER_HELP)]
+#[command(name = "donut", version, verbatim_doc_comment)]
+#[command(after_help = KEYS, after_long_help = format!("{KEYS}\n\n{EXAMPLES}"))]
 // A later option overrides an earlier one, such as one from `alias donut='donut --color cyan'`.
 #[command(args_override_self = true)]
 // A number such as -5 is a value, even where it is refused. (For clap, -.5, -1e-3 and -1,2 are no numbers, so
@@ -669,9 +672,8 @@ impl Quartic {
 struct Options {
     /// Frames per second; 0 means no limit
     ///
-    /// From 0 to 1000. A higher rate is smoother, not faster: for the speed,
-    /// see --spin. But with 0, the donut spins as fast as it can. Pipes and
-    /// files get frames at the same rate.
+    /// From 0 to 1000. Higher is smoother, not faster (see --spin); 0 spins
+    /// as fast as it can. Pipes and files get frames at the same rate.
     #[arg(long, help_heading = "Motion", value_name = "N", verbatim_doc_comment)]
     #[arg(default_value = "30", value_parser = within("a number", 0.0..=1000.0))]
     fps: f64,
@@ -684,38 +686,42 @@ struct Options {
     #[arg(value_parser = within("an integer", 0..=1_000_000_000_u32))]
     frames: Option<u32>,
 
-    /// Rotation from one frame to the next, in radians
-    /// [default: 0.04,0.02 at 30 frames a second]
+    /// Speed, in radians per frame [default: 0.04,0.02]
     ///
     /// DA is added to the angle A, and DB to B. Both are from -1000 to 1000.
-    /// Smaller is slower: 0.01,0.005 is a quarter of the usual speed. The
-    /// default is adjusted to --fps; your own numbers are used as they are.
+    /// Half of both is half as fast. The default looks equally fast at any
+    /// --fps; your own is added in each frame.
     #[arg(long, help_heading = "Motion", value_name = "DA,DB", verbatim_doc_comment)]
     #[arg(value_parser = parse_angles, allow_hyphen_values = true)]
     spin: Option<[f64; 2]>,
 
-    /// Angle A of the first frame, in radians
+    /// Starting angle A, the tilt, in radians
     ///
     /// At 0, you look straight through the hole. A tilts the donut about the
     /// horizontal; at 1.57, you see it from the side.
     /// From -2000000 to 2000000.
     #[arg(short = 'A', help_heading = "Motion", value_name = "RAD", verbatim_doc_comment)]
-    #[arg(default_value = "0", value_parser = within("a number", ANGLES), allow_hyphen_values = true)]
+    #[arg(default_value = "0", value_parser = within("an angle in radians", ANGLES), allow_hyphen_values = true)]
     a: f64,
 
-    /// Angle B of the first frame, in radians
+    /// Starting angle B, clockwise, in radians
     ///
-    /// B then turns the donut clockwise on the screen.
+    /// After the tilt by A, B turns the donut clockwise.
     /// From -2000000 to 2000000.
     #[arg(short = 'B', help_heading = "Motion", value_name = "RAD", verbatim_doc_comment)]
-    #[arg(default_value = "0", value_parser = within("a number", ANGLES), allow_hyphen_values = true)]
+    #[arg(default_value = "0", value_parser = within("an angle in radians", ANGLES), allow_hyphen_values = true)]
     b: f64,
 
-    /// How to draw [default: classic for donut.c's picture,
-    /// exact for others]
+    /// classic (grainy, as in 2006) or exact (smooth)
+    /// [default: classic for donut.c's 80x22, else exact]
     ///
-    /// donut.c is the C program of 2006. Its picture has 80x22 characters.
-    #[arg(long, help_heading = "Look", value_enum, verbatim_doc_comment)]
+    /// classic plots many points, as donut.c does, and shows the nearest in
+    /// each character. It needs --r2 2 and --k2 5. exact follows a ray
+    /// through the middle of each character. The default is classic for
+    /// donut.c's picture (80x22, default --r2, --k2 and --aspect), and exact
+    /// for all others.
+    #[arg(long, help_heading = "Look", value_enum, ignore_case = true, verbatim_doc_comment)]
+    #[arg(hide_possible_values = true)]
     method: Option<Method>,
 
     /// Colour: a name, such as cyan, or 0 to 255
@@ -723,19 +729,38 @@ struct Options {
     /// The names are black, dark_grey, grey, white, red, green, yellow, blue,
     /// magenta, cyan, dark_red, dark_green, dark_yellow, dark_blue,
     /// dark_magenta and dark_cyan. The numbers are those of the 256 colours
-    /// that most terminals know; 208 is orange.
+    /// that most terminals know; 208 is orange. You may also write --colour,
+    /// and gray.
     #[arg(long, alias = "colour", help_heading = "Look", verbatim_doc_comment)]
     #[arg(value_parser = parse_color)]
     color: Option<u8>,
 
-    /// Columns [default: all, or 80 in a pipe]
+    /// Radius of the ring; 8 makes it a thin ring
+    ///
+    /// From 1.01 to 30. The ring is the circle in the middle of the tube, all
+    /// round the hole. The tube's radius is 1, so larger is thinner.
+    #[arg(long, help_heading = "Look", value_name = "R", verbatim_doc_comment)]
+    #[arg(default_value_t = View::DONUT_C.r2, value_parser = within("a number", R2_RANGE))]
+    r2: f64,
+
+    /// Your distance from it [default: 5, scaled with --r2]
+    ///
+    /// At least 1.01 more than --r2, and at most 1000000. The default is
+    /// 5 (1 + R) / 3 with --r2 R. From farther away, the perspective is
+    /// flatter. The donut is scaled so that it never leaves the window: from
+    /// very near, most of the time it has only a few characters.
+    #[arg(long, help_heading = "Look", value_name = "D", verbatim_doc_comment)]
+    #[arg(value_parser = within("a number at least 1.01 more than --r2, and", K2_RANGE))]
+    k2: Option<f64>,
+
+    /// Columns [default: all; in a pipe, 80]
     ///
     /// From 1 to 4096. On a terminal, at most its columns.
     #[arg(long, help_heading = "Size", value_name = "COLS")]
     #[arg(value_parser = within("an integer", 1..=MAX_SIZE))]
     width: Option<u16>,
 
-    /// Rows [default: all but 1; 22 in a pipe or in 80x24]
+    /// Rows [default: all but 1; at 80x24 or in a pipe, 22]
     ///
     /// From 1 to 4096. On a terminal, at most its rows minus 1, because the
     /// cursor needs one, but at least 1.
@@ -743,45 +768,27 @@ struct Options {
     #[arg(value_parser = within("an integer", 1..=MAX_SIZE))]
     height: Option<u16>,
 
-    /// Height of a cell divided by its width [default: the
-    /// terminal's, or 2]
+    /// Height of a character divided by its width
+    /// [default: the terminal's, or 2]
     ///
-    /// From 0.1 to 10. A cell is the place of one character.
+    /// From 0.1 to 10. If the donut is not round, try 1.8 or 2.2.
     #[arg(long, help_heading = "Size", value_name = "RATIO", verbatim_doc_comment)]
     #[arg(value_parser = within("a number", ASPECTS))]
     aspect: Option<f64>,
-
-    /// Radius of the ring, in tube radii
-    ///
-    /// From 1.01 to 30. Larger is thinner: 2 is a donut, and 8 a thin ring.
-    /// The ring is the circle in the middle of the tube, all round the hole.
-    #[arg(long, help_heading = "Geometry", value_name = "R", verbatim_doc_comment)]
-    #[arg(default_value_t = View::DONUT_C.r2, value_parser = within("a number", R2_RANGE))]
-    r2: f64,
-
-    /// Distance to the donut's centre, in tube radii
-    /// [default: 5; with another --r2 R, 5 (1 + R) / 3]
-    ///
-    /// At least 1.01 more than --r2, and at most 1000000. A greater distance
-    /// flattens the perspective, and the donut moves up and down less as it
-    /// turns. It is scaled to fit at any distance.
-    #[arg(long, help_heading = "Geometry", value_name = "D", verbatim_doc_comment)]
-    #[arg(value_parser = within("a number", K2_RANGE))]
-    k2: Option<f64>,
 }
 
-const AFTER_HELP: &str = "Keys:
-  q, Esc, Ctrl-C  quit
+const KEYS: &str = "Keys (letters in either case):
+  q, Esc, Ctrl-C  quit (in a pipe, only Ctrl-C)
   space, p        pause or resume
-  arrow keys      turn the donut
+  arrow keys      turn it: up and down tilt, left and right swing
   +, -            spin faster or slower
   c               next colour
-  m               change the method (not with another --r2 or --k2)
-  s               turn the shading off (all dots) or on
-  Ctrl-L          draw the screen again
-  Ctrl-Z          suspend (not on Windows)
+  m               switch the method (needs default --r2 and --k2)
+  s               shading off (a flat shape of dots) or on
+  Ctrl-L          redraw the screen
+  Ctrl-Z          suspend (not on Windows)";
 
-Examples:
+const EXAMPLES: &str = "Examples:
   donut --fps 60 --color cyan     # smoother, and in colour
   donut --spin 0,0                # stands still until an arrow key turns it
   donut --r2 8 --spin 0.01,0.005  # a thin ring that spins slowly
