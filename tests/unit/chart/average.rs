@@ -11,7 +11,8 @@ pub fn count(mut methods: Vec<NamedMethod>, view: View, poses: Vec<(f64, f64)>) 
     in_time(move || {
         let mut counts = vec![[0; 3]; methods.len()];
         for (a, b) in poses {
-            let wanted: Vec<_> = averaged::<RAYS>(&view, a, b).into_iter().map(level).collect();
+            let wanted: Vec<_> =
+                averaged::<RAYS, { RAYS * RAYS / 2 }>(&view, a, b).into_iter().map(level).collect();
             for ((_, draw), [surface, different, far_off]) in methods.iter_mut().zip(&mut counts) {
                 for (&wanted, drawn) in wanted.iter().zip(draw(a, b).into_iter().map(level)) {
                     let is_next =

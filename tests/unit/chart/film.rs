@@ -1,108 +1,145 @@
-//! The film at the top of the README: a command, a window that grows, and what the program draws in it.
+//! The film at the top of the README: a window that shrinks and grows, keys that are pressed, and what the
+//! program draws.
 
-use super::picture::{CELL, part, pixels, svg};
+use super::picture::{BASELINE, CELL, pixels, svg};
 use super::*;
 
-/// The frames of a round, and how many are shown in a second. That is half as many as the program shows, so
-/// that a browser has less to do, and the file is smaller.
-const FRAMES: usize = 79;
-const FRAMES_PER_SECOND: f64 = 15.0;
-/// What is typed first, a key for each step. There are more steps, to wait in before and after it.
-const TYPED: &str = "donut --color 208";
-const STEPS: usize = TYPED.len() + 10;
-const STEPS_PER_SECOND: f64 = 12.0;
-/// Columns and rows of the window: at first, and when it is largest.
-const SMALL: (usize, usize) = (80, 24);
-const LARGE: (usize, usize) = (120, 36);
-/// The frames in which the window begins and ends to grow, and begins to shrink. It shrinks until the
-/// end.
-const GROWS: (usize, usize) = (25, 37);
-const SHRINKS: usize = 66;
-/// The frame that is shown where nothing may move, and in which the film stops in its third round.
-const STILL: usize = 42;
+const COMMAND: &str = "donut --color 208";
+/// Half as many as the program shows in a second, so that a browser has less to do, and the file is smaller.
+const FRAMES_PER_SECOND: usize = 15;
+const FRAMES: usize = 185;
+/// The keys that are pressed, the frame of the first one, and the frames from one to the next. An arrow key is
+/// held down: it is pressed again in each of some frames.
+const PRESSED: [&str; 12] = [" ", "←", "→", "↑", "↓", " ", "c", "c", "c", "+", "+", "+"];
+const FIRST: usize = 45;
+const NEXT: usize = 11;
+const HELD: usize = 9;
+/// All keys that are shown, and where.
+const KEYS: [(&str, usize); 7] =
+    [(" ", 122), ("←", 302), ("↑", 362), ("↓", 362), ("→", 422), ("c", 516), ("+", 576)];
+/// The window when it is largest, at the start and at the end, and smallest, above the keys.
+const LARGE: Window = Window { columns: 72, rows: 28, aspect: View::ASPECT };
+const SMALL: Window = Window { columns: 56, rows: 20, aspect: View::ASPECT };
+/// The frame in which the window begins to shrink, and how many frames it takes to shrink, and to grow.
+const SHRINKS: usize = 20;
+const RESIZING: usize = 10;
+/// The frame that is shown where nothing may move, and in which the film stops after so many rounds.
+const STILL: usize = 43;
+const ROUNDS: usize = 9;
 /// What is around the cells: the bar of the window, and the margin on the other sides.
-const BAR: usize = 40;
+const BAR: usize = 44;
 const MARGIN: usize = 16;
+const WIDTH: usize = LARGE.columns as usize * CELL.0 + 2 * MARGIN;
+const HEIGHT: usize = BAR + LARGE.rows as usize * CELL.1 + MARGIN;
+/// From one frame of the strip to the next. No line of the next one must be seen.
+const STEP: usize = HEIGHT + 20;
 
-/// The columns and the rows of the window in frame n.
-fn window(n: usize) -> (usize, usize) {
-    let part = |(start, end): (usize, usize)| {
-        ((n as f64 - start as f64) / (end - start) as f64).clamp(0.0, 1.0)
-    };
+/// The window in frame n.
+fn window(n: usize) -> Window {
+    let part = |start| ((n as f64 - start as f64) / RESIZING as f64).clamp(0.0, 1.0);
     let slow_at_ends = |part: f64| part * part * (3.0 - 2.0 * part);
-    let large = slow_at_ends(part(GROWS)) - slow_at_ends(part((SHRINKS, FRAMES)));
-    let size = |small, large_size| small + ((large_size - small) as f64 * large).round() as usize;
-    (size(SMALL.0, LARGE.0), size(SMALL.1, LARGE.1))
+    let small = slow_at_ends(part(SHRINKS)) - slow_at_ends(part(FRAMES - RESIZING));
+    let size = |large, small_size| large - (f64::from(large - small_size) * small).round() as u16;
+    let (columns, rows) = (size(LARGE.columns, SMALL.columns), size(LARGE.rows, SMALL.rows));
+    Window { columns, rows, ..LARGE }
 }
 
-/// All frames are in one strip, one below another, and the strip moves up behind an opening that is as
-/// high as one frame: first once through the frames of the command, then through those of the donut. A goes
-/// round once, and B half. In the first frame of the donut, and in the one that would come after the last,
-/// the viewer looks along the donut's axis, so these two look the same.
+fn frame_of(Window { columns, rows, .. }: Window) -> String {
+    let (width, height) = pixels(columns.into(), rows.into());
+    let left = (WIDTH - width) / 2 - MARGIN;
+    format!(
+        "<rect x=\"{}\" y=\"1\" width=\"{}\" height=\"{}\" rx=\"12\"/>\
+         <path d=\"M{} 22h0m22 0h0m22 0h0\"/><text class=\"bar\" x=\"{}\" y=\"31\">{COMMAND}</text>\
+         <text class=\"size\" x=\"{}\" y=\"31\">{columns}x{rows}</text>",
+        left + 1,
+        width + 2 * MARGIN - 2,
+        BAR + height + MARGIN - 2,
+        left + 24,
+        left + 94,
+        WIDTH - left - 20,
+    )
+}
+
+/// Each row is centred. Its glyphs are not stretched to the cells, because that costs a browser much time.
+fn glyphs(Renderer { view, framebuffer, .. }: &Renderer) -> String {
+    let row = |(row, glyphs): (usize, &[u8])| {
+        let [left, right] = [glyphs.trim_ascii_start(), glyphs.trim_ascii_end()].map(<[u8]>::len);
+        let (x, y) = ((WIDTH + CELL.0 * right - CELL.0 * left) / 2, BAR + row * CELL.1 + BASELINE);
+        let glyphs = str::from_utf8(glyphs.trim_ascii()).unwrap();
+        (left > 0).then(|| format!("<text x=\"{x}\" y=\"{y}\">{glyphs}</text>"))
+    };
+    framebuffer.chunks(view.width).enumerate().filter_map(row).collect()
+}
+
+fn keys(pressed: &str) -> String {
+    let key = |(name, x)| {
+        let y = if name == "↑" { 486 } else { 542 };
+        let (label, width) = if name == " " { ("space", 140) } else { (name, 54) };
+        let class = if name == pressed { "key pressed" } else { "key" };
+        format!(
+            "<g class=\"{class}\"><rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"50\" rx=\"9\"/>\
+             <text x=\"{}\" y=\"{}\">{label}</text></g>",
+            x + width / 2,
+            y + 33
+        )
+    };
+    KEYS.map(key).concat()
+}
+
+/// All frames are in one strip, one below another, and the strip moves behind an opening that is as high as one
+/// frame. In the first frame, and in the one that would come after the last, the viewer looks along the donut's
+/// axis, so these two look the same.
 pub fn film() -> String {
-    let (width, height) = (pixels(LARGE.0, 0).0 + 2 * MARGIN, pixels(0, LARGE.1).1 + BAR + MARGIN);
-    let (mut strip, mut windows) = (String::new(), Vec::new());
-    for n in 0..STEPS + FRAMES {
-        let frame = n.checked_sub(STEPS);
-        let (columns, rows) = window(frame.unwrap_or(0));
-        let is_small = (columns, rows) == SMALL;
-        // The left and the top end of the window, and of its cells.
-        let left = pixels(LARGE.0 - columns, 0).0 / 2;
-        let top = pixels(0, LARGE.1 - rows).1 / 2;
-        let (x, y) = (left + MARGIN, n * height + top + BAR);
-        let method_name = frame.map_or("", |_| if is_small { ": classic" } else { ": exact" });
-        let window = format!(
-            "<rect x=\"{left}\" y=\"{top}\" width=\"{}\" height=\"{}\" rx=\"12\"/>\
-             <path d=\"M{} {}h0m22 0h0m22 0h0\"/>\
-             <text class=\"bar\" x=\"{}\" y=\"{}\">{columns} x {rows}{method_name}</text>",
-            width - 2 * left,
-            height - 2 * top,
-            left + 26,
-            top + 22,
-            width / 2,
-            top + 30,
-        );
-        let id = windows.iter().position(|other| *other == window).unwrap_or(windows.len());
-        if id == windows.len() {
-            windows.push(window);
+    let options = Options::try_parse_from(COMMAND.split(' ')).unwrap();
+    let mut show = Show::new(&options);
+    let (mut parts, mut strip) = (Vec::new(), String::new());
+    for n in 0..FRAMES {
+        let pressed = n.checked_sub(FIRST).and_then(|n| Some((*PRESSED.get(n / NEXT)?, n % NEXT)));
+        let (key, since) = pressed.unwrap_or_default();
+        let is_held = "←→↑↓".contains(key);
+        if since < if is_held { HELD } else { 1 } {
+            key.chars().for_each(|key| show.obey(key));
         }
-        strip += &format!("<use href=\"#w{id}\" y=\"{}\"/>\n", n * height);
-        let Some(frame) = frame else {
-            let typed = &TYPED[..n.saturating_sub(4).min(TYPED.len())];
-            strip +=
-                &format!("<text class=\"typed\" x=\"{x}\" y=\"{}\">$ {typed}_</text>\n", y + 36);
-            continue;
-        };
-        let [a, b] = [2.0, 1.0].map(|half_turns| half_turns * PI * frame as f64 / FRAMES as f64);
-        // At 80x24, donut.c's picture begins in the third row. In other windows, the program leaves only the
-        // last row, to the cursor.
-        let (view, method, down) = if is_small {
-            (View::DONUT_C, Method::Classic, 2 * CELL.1)
-        } else {
-            (fitted(columns, rows - 1), Method::Exact, 0)
-        };
-        let picture = draw(method, view, a, b);
-        let cells = (0..view.width, 0..view.height);
-        strip += &part((&picture, view.width), cells, (x, y + down), |_| "");
+        show.fit(Some(window(n)));
+        show.renderer.render_frame(show.angles[0], show.angles[1]);
+        let mut frame = vec![frame_of(window(n)), glyphs(&show.renderer)];
+        if window(n) == SMALL {
+            let is_down = since < if is_held { HELD } else { 3 };
+            frame.push(keys(if is_down { key } else { "" }));
+        }
+        let color = show.color.map_or(String::new(), |color| format!("c{color}"));
+        strip += &format!("<g class=\"{color}\" transform=\"translate(0 {})\">", n * STEP);
+        for part in frame {
+            let id = parts.iter().position(|other| *other == part).unwrap_or(parts.len());
+            strip += &format!("<use href=\"#{id}\"/>");
+            if id == parts.len() {
+                parts.push(part);
+            }
+        }
+        strip += "</g>\n";
+        for _ in 0..if show.is_paused { 0 } else { 30 / FRAMES_PER_SECOND } {
+            show.advance();
+        }
     }
-    let [begin, end] = [STEPS, STEPS + FRAMES].map(|n| format!("translateY(-{}px)", n * height));
+    assert!(show.angles[0].sin().abs() < 0.04, "the last frame leads to the first");
     let style = format!(
-        "text{{font:16.6px ui-monospace,Menlo,Consolas,'DejaVu Sans Mono',monospace;fill:#ff8700;\
-         white-space:pre}}rect{{fill:#16181d;stroke:#444c56;stroke-width:2}}\
+        "text{{font:16.6px Menlo,'DejaVu Sans Mono','Lucida Console','Liberation Mono','Courier New',monospace;\
+         text-anchor:middle;white-space:pre}}rect{{fill:#16181d;stroke:#444c56;stroke-width:2}}\
          path{{stroke:#5c646e;stroke-width:13;stroke-linecap:round}}\
-         text.bar{{font-size:28px;text-anchor:middle;fill:#a0a8b2}}text.typed{{font-size:33px;fill:#e6e6e6}}\
-         @media(prefers-reduced-motion:no-preference){{#film{{\
-         animation:typed {typed:.2}s steps({STEPS}),film {round:.2}s {typed:.2}s steps({FRAMES}) {rounds:.4}}}\
-         @keyframes typed{{from{{transform:none}}to{{transform:{begin}}}}}\
-         @keyframes film{{from{{transform:{begin}}}to{{transform:{end}}}}}}}",
-        typed = STEPS as f64 / STEPS_PER_SECOND,
-        round = FRAMES as f64 / FRAMES_PER_SECOND,
-        rounds = 2.0 + STILL as f64 / FRAMES as f64,
+         #film{{fill:#ff8700}}.c9{{fill:#ff6b6b}}.c10{{fill:#5fd75f}}.c11{{fill:#ffe14d}}\
+         .bar,.size,.key text{{font-size:23px;fill:#d0d7de}}.bar{{text-anchor:start}}.size{{text-anchor:end}}\
+         .key rect{{fill:#2b3038;stroke:#6b7480}}.pressed rect{{fill:#ff8700}}.key.pressed text{{fill:#16181d}}\
+         #film{{transform:translateY(-{still}px)}}@media(prefers-reduced-motion:no-preference){{#film{{\
+         animation:film {seconds:.2}s steps({FRAMES}) {rounds:.4}}}\
+         @keyframes film{{from{{transform:none}}to{{transform:translateY(-{end}px)}}}}}}",
+        still = STILL * STEP,
+        end = FRAMES * STEP,
+        seconds = FRAMES as f64 / FRAMES_PER_SECOND as f64,
+        rounds = ROUNDS as f64 + STILL as f64 / FRAMES as f64,
     );
-    let still = format!("transform=\"translate(0 -{})\"", (STEPS + STILL) * height);
-    let windows: String =
-        (0..).zip(windows).map(|(id, w)| format!("<g id=\"w{id}\">{w}</g>\n")).collect();
-    let contents = format!("<defs>\n{windows}</defs>\n<g id=\"film\" {still}>\n{strip}</g>\n");
-    let title = "A donut of ASCII characters spins in a window, which grows, and the donut with it";
-    svg(title, (width, height), 1.0, &style, &contents)
+    let parts: String =
+        (0..).zip(parts).map(|(id, part)| format!("<g id=\"{id}\">{part}</g>\n")).collect();
+    let contents = format!("<defs>\n{parts}</defs>\n<g id=\"film\">\n{strip}</g>\n");
+    let title = "A donut spins in a terminal window, and keys turn it, change its colour and make it faster";
+    svg(title, (WIDTH, HEIGHT), 0.85, &style, &contents)
 }

@@ -12,6 +12,7 @@ mod plot;
 use self::other_methods::*;
 use super::classic::{donut_c, with_steps};
 use super::program::Program;
+use super::search::{g, numbers, places};
 use super::*;
 use std::collections::HashMap;
 use std::io::Read;
@@ -49,28 +50,34 @@ fn tracing(
 
 /// All methods that can draw a view.
 fn methods(view: View) -> Vec<NamedMethod> {
-    let mut methods =
-        vec![own_method("classic with donut.c's steps", with_steps(view, 0.07, 0.02))];
+    let with = |name: &str, draw: fn(&View, f64, f64) -> Vec<u8>| -> NamedMethod {
+        (name.into(), Box::new(move |a, b| draw(&view, a, b)))
+    };
+    let own = |name, method| own_method(name, Renderer::new(view, method));
+    let mut methods = Vec::new();
     if view == View::DONUT_C {
         // The C program's frames are those of classic. Its time is measured in another way.
-        methods.push(own_method("donut.c (C)", Renderer::new(view, Method::Classic)));
-        let translated = move |a, b| donut_c(&view, a, b);
-        methods.push(("donut.c (translated)".into(), Box::new(translated)));
+        methods.push(own("donut.c in C", Method::Classic));
+        methods.push(with("turning by steps", turning));
     }
     if (view.r2, view.k2) == (2.0, 5.0) {
-        methods.push(own_method("classic", Renderer::new(view, Method::Classic)));
+        methods.push(own("classic", Method::Classic));
+    }
+    if view != View::DONUT_C {
+        methods.push(own_method("classic with donut.c's steps", with_steps(view, 0.07, 0.02)));
     }
     methods.extend([
-        ("exact with 2 by 2 rays".into(), Box::new(move |a, b| averaged::<2>(&view, a, b)) as _),
-        ("exact with 3 by 3 rays".into(), Box::new(move |a, b| averaged::<3>(&view, a, b)) as _),
-        own_method("exact", Renderer::new(view, Method::Exact)),
+        own("exact", Method::Exact),
+        with("exact in f32", exact_f32),
+        with("exact with 2 by 2 rays", averaged::<2, 2>),
+        with("exact with 3 by 3 rays", averaged::<3, 5>),
         tracing("closed form", view, closed_form),
+        tracing("Ferrari in f64", view, move |torus, rays| textbook_f64(torus, view.k2, rays)),
+        tracing("Ferrari in f32", view, move |torus, rays| textbook_f32(torus, view.k2, rays)),
         tracing("Newton from one start", view, newton_once),
-        tracing("Ferrari f32", view, move |torus, rays| textbook_f32(torus, view.k2, rays)),
-        tracing("Ferrari f64", view, move |torus, rays| textbook_f64(torus, view.k2, rays)),
     ]);
     for most_steps in [8, 16, 32, 64, 256] {
-        let name = format!("sphere tracing {most_steps}");
+        let name = format!("sphere tracing in {most_steps} steps");
         methods.push(tracing(&name, view, sphere_tracing(most_steps)));
     }
     methods
@@ -102,10 +109,6 @@ fn sizes() -> [(&'static str, View, usize); 2] {
     [(SIZES[0], View::DONUT_C, 50), (SIZES[1], fitted(200, 60), 10)]
 }
 
-/// The microseconds that a method takes for a frame: the median, and the lowest and the highest median
-/// of a series.
-type Time = [f64; 3];
-
 /// In frames 0 to 599 of donut.c's own motion, but the first and the last: how many cells show the donut, and
 /// how many flicker, because they show the same before and after, and something else in between.
 fn flicker(mut draw: impl FnMut(f64, f64) -> Vec<u8>) -> [usize; 2] {
@@ -122,12 +125,11 @@ fn flicker(mut draw: impl FnMut(f64, f64) -> Vec<u8>) -> [usize; 2] {
 
 /// The contents of TIMES: a row for each method, with its time for a frame, with what the two rules say, and
 /// with what flickers.
-fn table_of_times(time: impl Fn(&str, &str) -> Time) -> String {
-    let times = "us per frame,lowest,highest";
+fn table_of_times(time: impl Fn(&str, &str) -> f64) -> String {
     let by_centre = "cells of the donut,wrong shades,extra outline,holes";
     let by_average = "cells of the average,different,far off";
     let in_motion = "cells in motion,flickering";
-    let mut table = format!("size,method,{times},{by_centre},{by_average},{in_motion}\n");
+    let mut table = format!("size,method,us per frame,{by_centre},{by_average},{in_motion}\n");
     for (size, view, poses) in sizes() {
         let poses = donut_c_poses(poses);
         let flickers = methods(view).into_iter().map(|(_, draw)| thread::spawn(|| flicker(draw)));
@@ -135,8 +137,7 @@ fn table_of_times(time: impl Fn(&str, &str) -> Time) -> String {
         let averages = average::count(methods(view), view, poses.clone());
         let tallies = count(methods(view), view, poses).into_iter();
         for (((name, tally), average), flicker) in tallies.zip(averages).zip(flickers) {
-            let [median, lowest, highest] = time(size, &name);
-            table += &format!("{size},{name},{median:.1},{lowest:.1},{highest:.1}");
+            table += &format!("{size},{name},{:.1}", time(size, &name));
             let by_centre = [tally.surface, tally.shades, tally.extra, tally.holes];
             for count in by_centre.into_iter().chain(average).chain(flicker.join().unwrap()) {
                 table += &format!(",{count}");
@@ -156,7 +157,7 @@ fn median(numbers: &mut [f64]) -> f64 {
 /// The time of each method. The methods take turns until the time is up, so that whatever else the
 /// computer does slows all of them down. In its turn, a method draws a series of 200 frames, 40
 /// consecutive ones from each of five poses, as it would in the program.
-fn times_in_turns(mut methods: Vec<NamedMethod>, seconds: u64) -> Vec<Time> {
+fn times_in_turns(mut methods: Vec<NamedMethod>, seconds: u64) -> Vec<f64> {
     let mut medians = vec![Vec::new(); methods.len()];
     let start = Instant::now();
     while start.elapsed().as_secs() < seconds {
@@ -172,17 +173,12 @@ fn times_in_turns(mut methods: Vec<NamedMethod>, seconds: u64) -> Vec<Time> {
             medians.push(median(&mut series));
         }
     }
-    medians.iter_mut().map(|medians| summary(medians)).collect()
-}
-
-/// The time of a method that took these microseconds for a frame, in several series.
-fn summary(series: &mut [f64]) -> Time {
-    [median(series), series[0], series[series.len() - 1]]
+    medians.iter_mut().map(|medians| median(medians)).collect()
 }
 
 /// The time of the C program, in five series of 2,000 frames. It is processor time in user mode: writing
 /// is not counted, since the system does that. The frames must be those of classic, byte for byte.
-fn time_in_c(source: &str) -> Time {
+fn time_in_c(source: &str) -> f64 {
     const FRAMES: u32 = 2_000;
     let program = env::temp_dir().join(format!("donut-c-{}", process::id()));
     let program = program.to_str().unwrap();
@@ -192,15 +188,15 @@ fn time_in_c(source: &str) -> Time {
     fs::remove_file(program).unwrap();
     let mut pipe = donut_c.0.stdout.take().unwrap();
     let (mut classic, mut angles) = (Renderer::new(View::DONUT_C, Method::Classic), [0.0; 2]);
-    let (mut ticks, mut series) = (0.0, [0.0; 5]);
-    for (n, micros) in series.iter_mut().enumerate() {
-        for frame in 0..FRAMES {
+    let (mut ticks, mut series, mut clear) = (0.0, [0.0; 5], true);
+    for micros in &mut series {
+        for _ in 0..FRAMES {
             classic.render_frame(angles[0], angles[1]);
             angles = classic.advance(angles, [0.04, 0.02]);
-            let expected = classic.encode(None, false, n == 0 && frame == 0).unwrap();
+            let expected = classic.encode(None, false, mem::take(&mut clear)).unwrap();
             let mut written = vec![0; expected.len()];
             pipe.read_exact(&mut written).unwrap();
-            assert!(written == expected, "frame {frame} of series {n}");
+            assert!(written == expected, "{angles:?}");
         }
         // Of the columns after the name in brackets, this is the 12th. It is in hundredths of a second.
         // The C program is ahead by what fits into the pipe, about 40 frames.
@@ -210,26 +206,25 @@ fn time_in_c(source: &str) -> Time {
         ticks = columns.split(' ').nth(11).unwrap().parse().unwrap();
         *micros = (ticks - ticks_before) * 1e4 / f64::from(FRAMES);
     }
-    summary(&mut series)
+    median(&mut series)
 }
 
 /// The processor, and the versions of what built the two programs.
 fn machine() -> String {
-    let first_line = |program: &str, option: &str| {
-        let output = Command::new(program).arg(option).output().unwrap();
-        String::from_utf8(output.stdout).unwrap().lines().next().unwrap().to_string()
-    };
-    let processor = fs::read_to_string("/proc/cpuinfo").unwrap();
-    let model = processor.lines().find_map(|line| line.strip_prefix("model name\t: ")).unwrap();
-    let [rustc, gcc] = ["rustc", "gcc"].map(|program| first_line(program, "--version"));
-    let library = first_line("getconf", "GNU_LIBC_VERSION");
-    format!("- {model}\n- {rustc}\n- {gcc}\n- {library}\n")
+    let script = "sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1; rustc --version
+        gcc --version | head -1; getconf GNU_LIBC_VERSION";
+    let output = Command::new("sh").args(["-c", script]).output().unwrap();
+    let lines = String::from_utf8(output.stdout).unwrap();
+    lines.lines().map(|line| format!("- {line}\n")).collect()
 }
 
 /// A row of TIMES. Wrong, different and flickering cells are in per cent of those that show the donut.
 struct Measured {
     name: String,
-    time: Time,
+    /// In microseconds per frame.
+    time: f64,
+    /// How many cells show the donut, and how many are wrong.
+    counts: [f64; 2],
     wrong: f64,
     different: f64,
     far_off: f64,
@@ -241,13 +236,15 @@ fn measured(size: &str) -> Vec<Measured> {
     let rows = table.lines().filter_map(|line| line.strip_prefix(&size)?.split_once(','));
     let rows = rows.map(|(name, figures)| {
         let figures: Vec<f64> = figures.split(',').map(|figure| figure.parse().unwrap()).collect();
+        let wrong = figures[2..5].iter().sum::<f64>();
         Measured {
             name: name.into(),
-            time: [figures[0], figures[1], figures[2]],
-            wrong: 100.0 * figures[4..7].iter().sum::<f64>() / figures[3],
-            different: 100.0 * figures[8] / figures[7],
-            far_off: 100.0 * figures[9] / figures[7],
-            flicker: 100.0 * figures[11] / figures[10],
+            time: figures[0],
+            counts: [figures[1], wrong],
+            wrong: 100.0 * wrong / figures[1],
+            different: 100.0 * figures[6] / figures[5],
+            far_off: 100.0 * figures[7] / figures[5],
+            flicker: 100.0 * figures[9] / figures[8],
         }
     });
     rows.collect()
@@ -255,27 +252,6 @@ fn measured(size: &str) -> Vec<Measured> {
 
 fn find(size: &str, method: &str) -> Option<Measured> {
     measured(size).into_iter().find(|row| row.name == method)
-}
-
-/// A column of a table: its head, where # stands for a size, and its figures.
-type Column = (&'static str, fn(&Measured) -> String);
-
-/// A table with a row for each of these methods, and with these columns for each of the sizes. A method
-/// is given by its name in TIMES, after which its name in the text may follow. Where it does not draw a
-/// size, it has no figures.
-fn table(methods: &[&str], sizes: &[&str], columns: &[Column]) -> String {
-    let row = |first: &str, cell: &dyn Fn(&str, &Column) -> String| {
-        let cells = sizes.iter().flat_map(|size| columns.iter().map(|column| cell(size, column)));
-        std::iter::once(first.into()).chain(cells).collect::<Vec<_>>()
-    };
-    let mut rows = vec![row("", &|size, (head, _)| head.replace('#', size))];
-    for method in methods {
-        let (method, name) = method.split_once(": ").unwrap_or((method, method));
-        rows.push(row(name, &|size, (_, figure)| {
-            find(size, method).as_ref().map_or("".into(), figure)
-        }));
-    }
-    markdown(rows)
 }
 
 /// A number of per cent: without decimals from 10 on, and 0 only for none.
@@ -288,122 +264,135 @@ fn share(number: f64) -> String {
     }
 }
 
-/// A time and its range.
 fn micros(measured: &Measured) -> String {
-    let [median, lowest, highest] =
-        measured.time.map(|time| format!("{time:.*}", usize::from(time < 99.95)));
-    format!("{median} ({lowest} to {highest})")
+    format!("{:.*}", usize::from(measured.time < 9.95), measured.time)
 }
 
-/// The study's tables of TIMES, and the name of each.
-fn study_tables() -> [(&'static str, String); 2] {
-    let averages = ["classic", "exact", "exact with 2 by 2 rays", "exact with 3 by 3 rays"];
-    let all = [
-        "donut.c (C): donut.c in C, with `putchar`",
-        "donut.c (translated): donut.c in Rust",
-        "classic: **classic**",
-        "classic with donut.c's steps",
-        "exact: **exact**",
-        "closed form: **closed form**",
-        averages[2],
-        averages[3],
-        "Newton from one start",
-        "Ferrari f32: Ferrari in f32",
-        "Ferrari f64: Ferrari in f64",
-        "sphere tracing 8: sphere tracing, 8 steps",
-        "sphere tracing 16: 16 steps",
-        "sphere tracing 32: 32 steps",
-        "sphere tracing 64: 64 steps",
-        "sphere tracing 256: 256 steps",
-    ];
-    let times: Column = ("#: µs", micros);
-    let wrong: Column = ("wrong", |measured| share(measured.wrong));
-    let different: Column = ("different", |measured| share(measured.different));
-    let far_off: Column = ("far off", |measured| share(measured.far_off));
-    let flicker: Column = ("flicker", |measured| format!("{:.2}", measured.flicker));
-    [
-        ("average", table(&averages, &SIZES[..1], &[different, far_off])),
-        ("methods", table(&all, &SIZES, &[times, wrong, different, flicker])),
-    ]
-}
-
-/// The study in short.
-fn short() -> String {
-    let [exact, closed_form, classic] = ["exact", "closed form", "classic"]
-        .map(|method| SIZES.map(|size| find(size, method).unwrap()));
-    let times = |method: &[Measured; 2]| {
-        let [small, large] = [0, 1].map(|i| method[i].time[0] / exact[i].time[0]);
-        format!(
-            "{small:.1} times as long as exact for that picture, and {large:.1} times for a full screen."
-        )
-    };
-    format!(
-        "- By its own rule, exact draws no wrong cell in any scene of this study. It takes {:.0} µs for a frame\n  \
-         of donut.c's own picture, and {:.0} µs for a full screen.\n\
-         - A closed form, which is Ferrari's formula with two precautions, draws the same pictures. It takes\n  {}\n\
-         - Classic draws donut.c's picture, byte for byte. It takes\n  {}\n\
-         - By a rule that neither follows, the average over each cell, classic differs in {} cells of 100, and\n  \
-         exact in {}.\n",
-        exact[0].time[0],
-        exact[1].time[0],
-        times(&closed_form),
-        times(&classic),
-        share(classic[0].different),
-        share(exact[0].different),
-    )
+/// The study's table of TIMES.
+fn table() -> String {
+    let heads = ["", "80x22: µs", "different", "far off", "flicker", "wrong"];
+    let large_heads = ["200x60: µs", "different", "far off", "flicker"];
+    let mut rows = vec![heads.into_iter().chain(large_heads).map(String::from).collect::<Vec<_>>()];
+    let only_large = "classic with donut.c's steps";
+    for name in measured(SIZES[0]).into_iter().map(|row| row.name).chain([only_large.into()]) {
+        let [small, large] = SIZES.map(|size| match find(size, &name) {
+            Some(row) => {
+                let [different, far_off, wrong] =
+                    [row.different, row.far_off, row.wrong].map(share);
+                let other_rule = ["donut.c", "turning", "classic", "exact with"];
+                let is_other = other_rule.iter().any(|start| name.starts_with(start));
+                let wrong = if is_other { "-".into() } else { wrong };
+                vec![micros(&row), different, far_off, format!("{:.2}", row.flicker), wrong]
+            }
+            None => vec![String::new(); 5],
+        });
+        let is_own = ["classic", "exact"].contains(&&*name);
+        let first = if is_own { format!("**{name}**") } else { name };
+        rows.push([vec![first], small, large[..4].into()].concat());
+    }
+    markdown(rows)
 }
 
 // ---- Where methods fail --------------------------------------------------------------------------
 
-const COMPARED: [&str; 9] = [
-    "classic",
-    "classic with donut.c's steps",
-    "sphere tracing 16",
-    "sphere tracing 64",
+/// The methods that are compared in many scenes.
+const COMPARED: [&str; 8] = [
+    "sphere tracing in 16 steps",
+    "sphere tracing in 64 steps",
     "Newton from one start",
-    "Ferrari f32",
-    "Ferrari f64",
+    "Ferrari in f32",
+    "Ferrari in f64",
     "closed form",
+    "exact in f32",
     "exact",
 ];
 
-/// A scene in which the study compares methods: its name, its view, and its poses.
-type NamedScene = (&'static str, View, Vec<(f64, f64)>);
+/// The name of each scene, and what the oracle says of each method: first in various scenes, then for values of
+/// K2, with donut.c's R2, and then for values of R2, with the default K2.
+type Failures = [Scenes; 3];
+type Scenes = Vec<(String, HashMap<String, Tally>)>;
 
-fn scenes() -> [NamedScene; 8] {
+fn count_failures() -> Failures {
+    let k2s = [3.011, 3.03, 3.1, 3.3, 4.0, 5.0, 7.0, 10.0, 15.0, 25.0, 50.0, 120.0, 300.0];
+    let far_k2s = [1e3, 3e3, 1e4, 3e4, 1e5];
+    let r2s = [1.01, 1.03, 1.1, 1.3, 1.6, 2.0, 3.0, 5.0, 9.0, 16.0, 30.0];
     let scene = |r2, k2| View::fitted(160, 44, 2.0, r2, k2);
     let poses = donut_c_poses(10);
     let edge_on = poses.iter().map(|&(_, b)| (TAU / 4.0 + 1e-4, b)).collect();
-    [
-        ("80x22", View::DONUT_C, donut_c_poses(50)),
-        ("160x44", scene(2.0, 5.0), poses.clone()),
-        ("320x88", fitted(320, 88), poses.clone()),
+    let face_on = poses.iter().map(|&(_, b)| (0.0, b)).collect();
+    let scenes = [
         ("edge-on", scene(2.0, 5.0), edge_on),
-        ("`--r2 9 --k2 25`", scene(9.0, 25.0), poses.clone()),
-        ("`--k2 3.03`", scene(2.0, 3.03), poses.clone()),
-        ("`--k2 50`", scene(2.0, 50.0), poses.clone()),
-        ("`--k2 50000`", scene(2.0, 50_000.0), poses),
+        ("face-on", scene(2.0, 5.0), face_on),
+        ("`--r2 6 --k2 7.01`", scene(6.0, 7.01), poses),
+    ];
+    let of_curve = |number: f64, r2, k2| (number.to_string(), scene(r2, k2), donut_c_poses(5));
+    [
+        scenes.map(|(name, view, poses)| (name.into(), view, poses)).into(),
+        k2s.into_iter().chain(far_k2s).map(|k2| of_curve(k2, 2.0, k2)).collect::<Vec<_>>(),
+        r2s.map(|r2| of_curve(r2, r2, 5.0 * (1.0 + r2) / 3.0)).into(),
     ]
+    .map(|scenes| {
+        let tallies = scenes.into_iter().map(|(name, view, poses)| {
+            let mut methods = methods(view);
+            methods.retain(|method| COMPARED.contains(&&*method.0));
+            (name, count(methods, view, poses).into_iter().collect())
+        });
+        tallies.collect()
+    })
 }
 
-/// The wrong cells of each method in each scene, in per cent of the donut's cells.
-fn failures() -> String {
-    let mut failures = vec![vec![String::new()]];
-    failures.extend(COMPARED.map(|name| vec![name.into()]));
-    for (scene, view, poses) in scenes() {
-        let compared = methods(view).into_iter().filter(|method| COMPARED.contains(&&*method.0));
-        let tallies = count(compared.collect(), view, poses);
-        let tally = |name| tallies.iter().find(|(other, _)| other == name).map(|(_, tally)| tally);
-        let wrong = |tally: &Tally| share(100.0 * tally.wrong() as f64 / tally.surface as f64);
-        let [exact, closed_form] = ["exact", "closed form"].map(|name| tally(name).unwrap());
-        let undecided = exact.wrong() + exact.ties + closed_form.wrong();
-        assert_eq!(undecided, 0, "the study says that no cell is wrong, or cannot be decided");
-        failures[0].push(scene.into());
-        for (row, name) in failures[1..].iter_mut().zip(COMPARED) {
-            row.push(tally(name).map_or("-".into(), wrong));
+/// The wrong cells, in per cent of the donut's.
+fn wrong(tally: &Tally) -> f64 {
+    100.0 * tally.wrong() as f64 / tally.surface as f64
+}
+
+/// The study's table of scenes.
+fn table_of_scenes([scenes, ..]: &Failures) -> String {
+    let names = scenes.iter().map(|(name, _)| name.clone());
+    let mut rows = vec![std::iter::once(String::new()).chain(names).collect()];
+    rows.extend(COMPARED.map(|method| {
+        let shares = scenes.iter().map(|(_, tallies)| share(wrong(&tallies[method])));
+        std::iter::once(method.into()).chain(shares).collect()
+    }));
+    markdown(rows)
+}
+
+/// How many steps exact takes for a ray that enters the bounding sphere, in so many poses of each scene: the mean,
+/// the 99th percentile, and the most.
+fn table_of_steps(poses: u32) -> String {
+    let scenes = [
+        ("donut.c's", 2.0, 5.0),
+        ("edge-on", 2.0, 5.0),
+        ("`--k2 3.01`", 2.0, 3.01),
+        ("`--k2 1000000`", 2.0, 1e6),
+        ("`--r2 1.01`", 1.01, 3.35),
+        ("`--r2 30`", 30.0, 155.0 / 3.0),
+    ];
+    let heads = ["", "mean", "99% of the rays: at most", "all: at most"].map(String::from);
+    let mut rows = vec![heads.into()];
+    for (name, r2, k2) in scenes {
+        let (view, mut counts) = (View::fitted(160, 44, 2.0, r2, k2), Vec::new());
+        for n in (0..poses).map(f64::from) {
+            // The fractional parts of the multiples of an irrational number are spread evenly.
+            let [a, b] = [2.0_f64, 3.0].map(|number| TAU * (n * number.sqrt()).fract());
+            let a = if name == "edge-on" { TAU / 4.0 + 1e-4 } else { a };
+            let search = |torus: &Torus, rays: &Rays| {
+                let (quartic, entries) = (torus.quartic(rays), torus.entry(rays).to_array());
+                // A ray that does not enter the sphere has the entry 0.
+                for (lane, entry) in (0..8).zip(entries).filter(|&(_, entry)| entry < 0.0) {
+                    counts.push(places(numbers(&quartic, lane), entry).count());
+                }
+                f64x8::splat(MISS)
+            };
+            follow::<1>(&view, (a, b), search, |_, _| {});
         }
+        counts.sort_unstable();
+        let mean = counts.iter().sum::<usize>() as f64 / counts.len() as f64;
+        let [most_take, all_take] =
+            [counts.len() * 99 / 100, counts.len() - 1].map(|i| counts[i].to_string());
+        rows.push(vec![name.into(), format!("{mean:.1}"), most_take, all_take]);
     }
-    markdown(failures)
+    markdown(rows)
 }
 
 // ---- Files ---------------------------------------------------------------------------------------
@@ -431,23 +420,37 @@ fn with_part(text: &str, name: &str, part: &str) -> String {
 }
 
 /// The names and contents of the files that follow from TIMES and from the program.
-fn derived_files() -> [(&'static str, String); 7] {
-    let mut study = with_part(&read(STUDY), "short", &short());
-    for (name, table) in study_tables().into_iter().chain([("failures", failures())]) {
-        study = with_part(&study, name, &table);
+fn derived_files() -> Vec<(&'static str, String)> {
+    let failures = count_failures();
+    let mut study = read(STUDY);
+    for (name, part) in [("methods", table()), ("scenes", table_of_scenes(&failures))] {
+        study = with_part(&study, name, &part);
     }
-    [
+    // donut.c's R2 is among those of both curves.
+    let scenes = || failures.iter().flatten().filter(|(name, _)| name != "2");
+    let sum = |method| {
+        let of_scenes = scenes().map(|(_, tallies)| &tallies[method]);
+        let counts = of_scenes.map(|tally| [tally.surface, tally.wrong()].map(|n| n as f64));
+        let of_sizes = SIZES.into_iter().map(|size| find(size, method).unwrap().counts);
+        counts.chain(of_sizes).fold([0.0; 2], |sum, counts| [0, 1].map(|i| sum[i] + counts[i]))
+    };
+    assert_eq!(["exact", "closed form"].map(|method| sum(method)[1]), [0.0; 2]);
+    let [surface, wrong] = sum("exact in f32");
+    let words = format!("{wrong} of {surface} characters");
+    assert!(study.replace(',', "").contains(&words), "{words} in f32");
+    vec![
         (STUDY, study),
         ("tests/donut.svg", film::film()),
         ("tests/methods.svg", picture::two_methods()),
-        ("tests/options.svg", picture::options()),
-        ("tests/chart/failures.svg", picture::failures()),
         ("tests/speed-and-accuracy.svg", plot::readme()),
         ("tests/chart/speed-and-accuracy.svg", plot::study()),
+        ("tests/chart/stability.svg", plot::stability(&failures)),
+        ("tests/chart/failures.svg", picture::failures()),
+        ("tests/chart/one-ray.svg", plot::one_ray()),
     ]
 }
 
-/// Measures all methods and writes all files.
+/// Measures all methods, counts steps, and writes all files.
 #[test]
 #[ignore = "measures for minutes"]
 fn measure() {
@@ -458,11 +461,12 @@ fn measure() {
         times.extend(names.into_iter().zip(times_in_turns(methods, 30)));
     }
     let source = env::var("DONUT_C").expect("DONUT_C, the path of donut.c's source");
-    times.insert("80x22,donut.c (C)".into(), time_in_c(&source));
+    times.insert("80x22,donut.c in C".into(), time_in_c(&source));
     let table = table_of_times(|size, method| times[&format!("{size},{method}")]);
     println!("{table}");
     fs::write(path(TIMES), table).unwrap();
-    fs::write(path(STUDY), with_part(&read(STUDY), "machine", &machine())).unwrap();
+    let study = with_part(&read(STUDY), "machine", &machine());
+    fs::write(path(STUDY), with_part(&study, "steps", &table_of_steps(20_000))).unwrap();
     for (name, contents) in derived_files() {
         fs::write(path(name), contents).unwrap();
     }
@@ -480,32 +484,48 @@ fn the_pictures_and_the_tables_are_up_to_date() {
 }
 
 #[test]
-fn the_figures_of_the_readme_are_those_of_the_study() {
-    let [in_c, classic, exact] =
-        ["donut.c (C)", "classic", "exact"].map(|name| find(SIZES[0], name).unwrap());
-    let [large_classic, large_exact] =
-        ["classic", "exact"].map(|name| find(SIZES[1], name).unwrap());
-    assert!((45.0..55.0).contains(&classic.different), "about half");
-    assert!(classic.far_off < classic.different / 2.0, "most by one shade");
-    let parts = ["third", "quarter", "fifth", "sixth", "seventh", "eighth"];
-    let readme = read("README.md").replace('\n', " ");
-    for claim in [
-        format!(
-            "{:.0} to {:.0} times as fast",
-            classic.time[0] / exact.time[0],
-            large_classic.time[0] / large_exact.time[0]
-        ),
-        format!("exact is {:.0} times as fast", large_classic.time[0] / large_exact.time[0]),
-        "half of classic's cells differ from it".into(),
-        format!("one in {:.0} of exact's", 100.0 / exact.different),
-        format!("{:.1}% of the donut's cells flicker", exact.flicker),
-        format!("with exact, against {:.1}% with classic", classic.flicker),
-        format!("({:.1}% on a full screen)", large_classic.flicker),
-        format!(
-            "in a {} of the C program's",
-            parts[(in_c.time[0] / classic.time[0]).round() as usize - 3]
-        ),
+fn the_words_of_the_readme_and_of_the_study_are_those_of_the_figures() {
+    let text = |file| read(file).split_whitespace().collect::<Vec<_>>().join(" ");
+    let all = |method| SIZES.map(|size| find(size, method).unwrap());
+    let (exact, classic, finer) = (all("exact"), all("classic"), all("exact with 3 by 3 rays"));
+    // Computers differ in times, so the texts round them, and may be off by a half.
+    let ratio = |one: &Measured, other: &Measured| one.time / other.time;
+    let to_exact = |method: &[Measured; 2]| [0, 1].map(|i| ratio(&method[i], &exact[i])).to_vec();
+    let in_c = find(SIZES[0], "donut.c in C").unwrap();
+    for (file, words, said, ratios) in [
+        ("README.md", "about three times as fast", 3.0, to_exact(&classic)),
+        ("README.md", "a tenth of the C program's time", 0.1, vec![ratio(&classic[0], &in_c)]),
+        (STUDY, "about three times exact's time", 3.0, to_exact(&classic)),
+        (STUDY, "about eight times the time", 8.0, to_exact(&finer)),
+        (STUDY, "about 0.6 of the time", 0.6, to_exact(&all("exact in f32"))),
+        (STUDY, "about 1.5 times exact's time", 1.5, to_exact(&all("closed form"))),
     ] {
-        assert!(readme.contains(&claim), "{claim}");
+        assert!(text(file).contains(words), "{file}: {words}");
+        let fits = |ratio: &f64| (said / 1.5..said * 1.5).contains(ratio);
+        assert!(ratios.iter().all(fits), "{file}: {words}: {ratios:?}");
+    }
+    let view = View::DONUT_C;
+    let [surface, flickering] = flicker(|a, b| averaged::<2, 3>(&view, a, b)).map(|n| n as f64);
+    let if_three = 100.0 * flickering / surface;
+    let if_two = find(SIZES[0], "exact with 2 by 2 rays").unwrap().flicker;
+    let (mut covered, mut turned) = (0, 0);
+    for (a, b) in donut_c_poses(50) {
+        let pair = turning(&view, a, b).into_iter().zip(donut_c(&view, a, b));
+        turned += pair.filter(|(one, other)| one != other).count();
+        covered += draw(Method::Exact, view, a, b).into_iter().filter(|&cell| cell != b' ').count();
+    }
+    let different = |method: &[Measured; 2]| method.each_ref().map(|row| share(row.different));
+    let [exact, classic, finer] = [&exact, &classic, &finer].map(different);
+    for words in [
+        format!("leaves {}% of the donut's characters different", exact[0]),
+        format!("from the average in {}% ({}% at 200x60)", classic[0], classic[1]),
+        format!(
+            "256 rays at 80x22, and {}% at 200x60. With 3 by 3 rays, {}% and {}% are left",
+            exact[1], finer[0], finer[1]
+        ),
+        format!("{if_three:.2}% flicker instead of {if_two:.2}%"),
+        format!("In {}% of the donut's cells", 100 * turned / covered),
+    ] {
+        assert!(text(STUDY).contains(&words), "{words}");
     }
 }

@@ -1,5 +1,5 @@
-//! Other ways to find what a ray hits first, to compare with the program's own, and more rays in a cell.
-//! They use the program's rays and its shading, in f64. So that their times can be compared, they follow
+//! Other methods, to compare with the program's own. Most of them only find in another way what a ray hits
+//! first, and use the program's rays and its shading, in f64. So that their times can be compared, they follow
 //! eight rays side by side, as it does, and leave out what none of the eight needs.
 
 use crate::tests::*;
@@ -9,7 +9,7 @@ use crate::tests::*;
 pub fn follow<const N: usize>(
     view: &View,
     (a, b): (f64, f64),
-    first_hits: impl Fn(&Torus, &Rays) -> f64x8,
+    mut first_hits: impl FnMut(&Torus, &Rays) -> f64x8,
     mut show: impl FnMut(usize, f64),
 ) {
     let &View { r2, k2, width, cx, cy, k1x, k1y, .. } = view;
@@ -53,11 +53,11 @@ pub fn hits<const N: usize>(view: &View, a: f64, b: f64) -> Vec<Hits> {
     cells
 }
 
-/// Draws with N by N rays in a cell: the donut where at least half of them hit, with the mean luminance of
+/// Draws with N by N rays in a cell: the donut where at least so many of them hit, with the mean luminance of
 /// those.
-pub fn averaged<const N: usize>(view: &View, a: f64, b: f64) -> Vec<u8> {
+pub fn averaged<const N: usize, const LEAST: usize>(view: &View, a: f64, b: f64) -> Vec<u8> {
     let shown = |hits: Hits| match hits.count {
-        count if 2 * count < N * N => b' ',
+        count if count < LEAST => b' ',
         count => glyph(hits.light / count as f64 + TIE_BIAS),
     };
     hits::<N>(view, a, b).into_iter().map(shown).collect()
@@ -132,22 +132,20 @@ pub fn closed_form(torus: &Torus, rays: &Rays) -> f64x8 {
     (root / 2.0).min(f64x8::splat(MISS))
 }
 
-/// Newton's method, which steps to the root of the tangent, from the point where the ray enters the
-/// sphere round the donut. The ray misses if the search ends outside the sphere, or takes more than 64
-/// steps.
+/// Newton's method, which steps to the root of the tangent, from the point where the ray enters the sphere
+/// round the donut. The ray misses if it leaves the sphere on the far side, or takes more than 64 steps.
 pub fn newton_once(torus: &Torus, rays: &Rays) -> f64x8 {
-    let radius = 1.0 + torus.r2;
-    let half = (radius * radius - rays.d0_squared).max(f64x8::ZERO).sqrt();
-    let Quartic { p, q, c } = torus.quartic(rays);
-    let (mut s, mut step) = (-half, f64x8::splat(MISS));
+    let (mut s, mut step) = (torus.entry(rays), f64x8::splat(MISS));
+    let (half, Quartic { p, q, c }) = (-s, torus.quartic(rays));
     for _ in 0..64 {
-        let steps = step.abs().simd_gt(1e-8);
-        if !steps.any() {
+        let goes_on = step.abs().simd_gt(1e-8) & s.simd_le(half);
+        if !goes_on.any() {
             break;
         }
         let base = s * s + p;
-        step = steps.select((base * base + (2.0 * q * s + c)) / (-4.0 * base * s - 2.0 * q), step);
-        s = steps.select(s + step, s);
+        step =
+            goes_on.select((base * base + (2.0 * q * s + c)) / (-4.0 * base * s - 2.0 * q), step);
+        s = goes_on.select(s + step, s);
     }
     let hits = step.abs().simd_le(1e-8) & s.abs().simd_le(half);
     hits.select(s, f64x8::splat(MISS))
@@ -209,3 +207,108 @@ macro_rules! textbook {
 
 textbook!(textbook_f32, f32, f32x8);
 textbook!(textbook_f64, f64, f64x8);
+
+/// Draws as exact does, but all numbers of a ray are in f32. The formulas are those of `trace`, `Torus` and
+/// `Quartic`.
+pub fn exact_f32(view: &View, a: f64, b: f64) -> Vec<u8> {
+    const TOLERANCE: f32 = 1e-3;
+    const TIE_BIAS: f32 = 1e-6;
+    let &View { r2, k2, width, height, cx, cy, k1x, k1y } = view;
+    let numbers = [r2, k2, cx, cy, 1.0 / k1x, k1x, k1y, outline_radius(r2, k2)];
+    let [r2, k2, cx, cy, columns_to_dx, k1x, k1y, radius] = numbers.map(|number| number as f32);
+    let [nx, ny, nz] = axis(a, b).map(|number| number as f32);
+    let (r2_squared, sphere_squared) = (r2 * r2, (1.0 + r2) * (1.0 + r2));
+    let mut framebuffer = vec![b' '; width * height];
+    for (row, line) in framebuffer.chunks_exact_mut(width).enumerate() {
+        let dy = (row as f32 + 0.5 - cy) / k1y;
+        let half_width = (radius * radius - dy * dy).max(0.0).sqrt() * k1x;
+        let (start, end) = ((cx - half_width) as usize, width.min((cx + half_width) as usize + 1));
+        for (i, cells) in line[start..end].chunks_mut(8).enumerate() {
+            let x = (start + 8 * i) as f32 + f32x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
+            let dx = (x - cx) * columns_to_dx;
+            let xy_squared = dx * dx + dy * dy;
+            let uz = 1.0 / (1.0 + xy_squared).sqrt();
+            let depth = k2 * uz * uz;
+            let d0_squared = k2 * depth * xy_squared;
+            let f0 = depth * (dx * nx + dy * ny - xy_squared * nz);
+            let fu = uz * (dx * nx + dy * ny + nz);
+
+            let m0 = d0_squared + r2_squared - 1.0;
+            let p = m0 - 2.0 * r2_squared * (1.0 - fu * fu);
+            let q = 4.0 * r2_squared * f0 * fu;
+            let c = m0 * m0 - p * p - 4.0 * r2_squared * (d0_squared - f0 * f0);
+            let mut s = -(sphere_squared - d0_squared).fast_max(f32x8::ZERO).sqrt();
+            let hits = loop {
+                let base = s * s + p;
+                let g = base * base + (2.0 * q * s + c);
+                let fall = (-2.0 * base * s - q).fast_max(f32x8::ZERO);
+                let discriminant = fall * fall - 2.0 * base * g;
+                let has_root = discriminant.simd_ge(f32x8::ZERO);
+                let r = s + g / has_root.select(fall + discriminant.sqrt(), f32x8::ZERO);
+                let goes_on = r.simd_gt(s + TOLERANCE) & r.simd_lt(f32x8::splat(f32::INFINITY));
+                if !goes_on.any() {
+                    break s.max(r);
+                }
+                s = goes_on.select(r, s);
+            };
+            if !hits.simd_lt(f32x8::splat(f32::INFINITY)).any() {
+                continue;
+            }
+            let f = f0 + fu * hits;
+            let p_dot_light = depth * (xy_squared - dy) - uz * (dy + 1.0) * hits;
+            let n_dot_light = -(ny + nz);
+            let r2_over_h = 2.0 * r2_squared / (d0_squared + hits * hits + r2_squared - 1.0);
+            let luminances = (1.0 - r2_over_h) * (p_dot_light - f * n_dot_light) + f * n_dot_light;
+            let luminances = (luminances + TIE_BIAS).to_array();
+            for ((cell, hit), luminance) in cells.iter_mut().zip(hits.to_array()).zip(luminances) {
+                if hit < f32::INFINITY {
+                    *cell = glyph(luminance.into());
+                }
+            }
+        }
+    }
+    framebuffer
+}
+
+/// Adds to the vector one at right angles, and so turns it by the angle whose tangent is this. It is now a
+/// little too long: one step of Newton's method for 1 / sqrt, from 1, makes its length 1 again.
+fn turn([cos, sin]: [f32; 2], tangent: f32) -> [f32; 2] {
+    let (x, y) = (cos - tangent * sin, sin + tangent * cos);
+    let scale = (3.0 - x * x - y * y) / 2.0;
+    [scale * x, scale * y]
+}
+
+/// donut.c as Andy Sloane changed it in 2021, so that its loops need no sines and cosines: from one sample to
+/// the next, the vector of an angle's cosine and sine is turned.
+pub fn turning(view: &View, a: f64, b: f64) -> Vec<u8> {
+    let &View { width, height, .. } = view;
+    let numbers = [view.r2, view.k2, 1.0 + view.cx, 1.0 + view.cy, view.k1x, view.k1y];
+    let [r2, k2, cx, cy, k1x, k1y] = numbers.map(|number| number as f32);
+    let [(sin_a, cos_a), (sin_b, cos_b)] = [a, b].map(|angle| c_sin_cos(angle as f32));
+    let (mut framebuffer, mut nearest) = (vec![b' '; width * height], vec![0.0; width * height]);
+    let mut theta = [1.0, 0.0];
+    for _ in 0..90 {
+        let ([cos_theta, sin_theta], mut phi) = (theta, [1.0, 0.0]);
+        let h = cos_theta + r2;
+        for _ in 0..315 {
+            let [cos_phi, sin_phi] = phi;
+            let ooz = 1.0 / (sin_phi * h * sin_a + sin_theta * cos_a + k2);
+            let t = sin_phi * h * cos_a - sin_theta * sin_a;
+            let x = (cx + k1x * ooz * (cos_phi * h * cos_b - t * sin_b)) as usize;
+            let y = (cy + k1y * ooz * (cos_phi * h * sin_b + t * cos_b)) as usize;
+            let luminance = (sin_theta * sin_a - sin_phi * cos_theta * cos_a) * cos_b
+                - sin_phi * cos_theta * sin_a
+                - sin_theta * cos_a
+                - cos_phi * cos_theta * sin_b;
+            if (1..=width).contains(&x) && (1..=height).contains(&y) {
+                let cell = (y - 1) * width + x - 1;
+                if ooz > nearest[cell] {
+                    (nearest[cell], framebuffer[cell]) = (ooz, glyph(luminance.into()));
+                }
+            }
+            phi = turn(phi, 0.02);
+        }
+        theta = turn(theta, 0.07);
+    }
+    framebuffer
+}

@@ -75,8 +75,7 @@ const STYLE: &str = "text{font:16.6px ui-monospace,Menlo,Consolas,'DejaVu Sans M
     .title,.head,.caption{font:24px system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif;fill:#c3cad3}\
     .title{font-size:32px;font-weight:bold;fill:#ffffff}.head{font-weight:bold}\
     rect.shade{fill:#2a66b8}rect.extra{fill:#cf7c2c}text.extra{fill:#16181d}rect.hole{fill:#f2c9d8}\
-    .command{font-size:19px;fill:#ffffff}.Cyan text{fill:#34e2e2}\
-    .window{fill:none;stroke:#5c646e;stroke-width:2}";
+    .note{font:19px system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif;fill:#8b949e}";
 
 fn picture(title: &str, (width, height): (usize, usize), contents: &str) -> String {
     let page = "<rect class=\"page\" width=\"100%\" height=\"100%\" rx=\"12\"/>\n";
@@ -97,114 +96,87 @@ fn key(class: &str, (x, y): (usize, usize), meaning: &str) -> String {
     block(class, (x, y), 3) + &words("caption", (x + 42, y + BASELINE + 2), meaning)
 }
 
-/// Frame 252 of donut.c by classic and by exact, and the cells in which they differ.
+/// Frame 252 of donut.c by classic and by exact, and below them classic's again, with the cells marked in
+/// which it differs from exact.
 pub fn two_methods() -> String {
     /// The columns and the rows that the donut is seen in.
     const PART: (Range<usize>, Range<usize>) = (16..53, 0..21);
     const LEFT: usize = 24;
     const RIGHT: usize = 440;
-    const BELOW: usize = 606;
+    const BELOW: usize = 554;
     let view = View::DONUT_C;
     let [classic, exact] =
         [Method::Classic, Method::Exact].map(|method| draw(method, view, 10.08, 5.04));
     let mark = |cell: usize| mark(classic[cell], exact[cell]);
     let count = |class| (0..classic.len()).filter(|&cell| mark(cell) == class).count();
-    let surface = exact.iter().filter(|&&glyph| glyph != b' ').count();
     let [shades, extra, holes] = ["shade", "extra", "hole"].map(count);
     assert_eq!(holes, 0, "another mark needs an explanation");
-    let (differ, drawn) = (shades + extra, surface + extra);
-    let sum = format!("{differ} of the {drawn} cells drawn differ from each other");
+    let levels = |cell: usize| level(classic[cell]).zip(level(exact[cell]));
+    let is_next = |cell: &usize| levels(*cell).is_some_and(|(one, other)| one.abs_diff(other) == 1);
+    let next = (0..classic.len()).filter(is_next).count();
+    let sum = format!("{} cells differ from exact", shades + extra);
+    let plain = |picture, left| part((picture, view.width), PART, (left, 104), |_| "");
     let contents = [
-        words("caption", (LEFT, 44), "frame 252 of donut.c (A 10.08, B 5.04), 80x22"),
-        words("title", (LEFT, 100), "classic"),
-        words("caption", (LEFT, 134), "the nearest point in a cell"),
-        words("title", (RIGHT, 100), "exact"),
-        words("caption", (RIGHT, 134), "the point at a cell's centre"),
-        part((&classic, view.width), PART, (LEFT, 158), mark),
-        part((&exact, view.width), PART, (RIGHT, 158), |_| ""),
-        key("shade", (LEFT, BELOW), &format!("another character: {shades}")),
-        key("extra", (RIGHT, BELOW), &format!("only in classic: {extra}")),
-        words("caption", (LEFT, BELOW + 62), &sum),
+        words("title", (LEFT, 50), "classic"),
+        words("caption", (LEFT, 82), "the original, as in 2006"),
+        plain(&classic, LEFT),
+        words("title", (RIGHT, 50), "exact"),
+        words("caption", (RIGHT, 82), "a truer outline, truer shades"),
+        plain(&exact, RIGHT),
+        part((&classic, view.width), PART, (LEFT, BELOW), mark),
+        words("title", (RIGHT, BELOW + 100), "classic, marked"),
+        words("caption", (RIGHT, BELOW + 132), &sum),
+        key("shade", (RIGHT, BELOW + 174), &format!("another character: {shades}")),
+        words("caption", (RIGHT + 42, BELOW + 222), &format!("{next} of them by one shade")),
+        key("extra", (RIGHT, BELOW + 260), &format!("only in classic: {extra}")),
+        words("caption", (RIGHT + 42, BELOW + 308), "a rim along the outline"),
+        words("note", (LEFT, BELOW + 468), "Frame 252 of donut.c, 80x22: A 10.08, B 5.04"),
     ];
-    let title = "A donut drawn by classic and by exact, and the cells in which these differ";
-    picture(title, (RIGHT + pixels(PART.0.len(), 0).0 + LEFT, BELOW + 86), &contents.concat())
+    let title =
+        "A donut drawn by classic and by exact, and the cells in which classic differs from exact";
+    picture(title, (RIGHT + pixels(PART.0.len(), 0).0 + LEFT, BELOW + 490), &contents.concat())
 }
 
-/// What options look like: a frame by each of four commands, in small windows.
-pub fn options() -> String {
-    const WINDOW: Window = Window { columns: 32, rows: 17, aspect: View::ASPECT };
-    const COMMANDS: [&str; 4] = [
-        "donut --color cyan",
-        "donut --r2 6",
-        "donut -A 0.6 -B 1.6 --spin 0,0",
-        "donut --width 20 --height 10",
-    ];
-    let (width, height) = pixels(WINDOW.columns.into(), WINDOW.rows.into());
-    let mut contents = String::new();
-    for (n, command) in COMMANDS.into_iter().enumerate() {
-        let options = Options::try_parse_from(command.split(' ')).unwrap();
-        assert_eq!(options.conflict(), None);
-        let mut renderer = options.renderer(Some(WINDOW), options.method);
-        let start = [options.a, options.b];
-        let [a, b] = (0..84).fold(start, |angles, _| renderer.advance(angles, options.spin()));
-        renderer.render_frame(a, b);
-        let (x, y) = (24 + n % 2 * (width + 44), 24 + n / 2 * (height + 72));
-        let View { width: columns, height: rows, .. } = renderer.view;
-        let drawn =
-            part((&renderer.framebuffer, columns), (0..columns, 0..rows), (x + 10, y + 46), |_| "");
-        let class = options.color.map_or(String::new(), |color| format!("{color:?}"));
-        contents += &words("command", (x, y + 20), command);
-        contents += &format!(
-            "<rect class=\"window\" x=\"{x}\" y=\"{}\" width=\"{}\" height=\"{height}\" rx=\"8\"/>\n\
-             <g class=\"{class}\">\n{drawn}</g>\n",
-            y + 36,
-            width + 20
-        );
-    }
-    let title = "What the donut looks like with four sets of options";
-    picture(title, (2 * width + 112, 2 * height + 156), &contents)
-}
-
-/// Methods that fail, each in a scene of the study's table, beside the same part of the picture by
-/// exact.
+/// Methods that fail, each with a donut as it draws it, and with its wrong cells marked.
 pub fn failures() -> String {
-    /// The columns and the rows of a part.
-    const PART: (usize, usize) = (35, 12);
     const LEFT: usize = 24;
-    const RIGHT: usize = 404;
-    const HEIGHT: usize = 456;
+    const RIGHT: usize = 450;
+    const TOP: usize = 96;
+    const HEIGHTS: [usize; 3] = [0, 540, 990];
     let mut contents = key("hole", (LEFT, 24), "missing");
-    contents += &key("extra", (LEFT + 180, 24), "extra");
-    contents += &key("shade", (LEFT + 340, 24), "wrong character");
+    contents += &key("extra", (LEFT + 190, 24), "extra");
+    contents += &key("shade", (LEFT + 350, 24), "wrong character");
+    contents += &words("caption", (LEFT, 72), "as the method draws it");
+    contents += &words("caption", (RIGHT, 72), "wrong cells marked");
     let shown = [
-        ("classic with donut.c's steps", "`--k2 3.03`", 2, (40, 7), "donut.c's steps"),
-        ("sphere tracing 16", "80x22", 6, (18, 3), "sphere tracing"),
-        ("Ferrari f32", "`--k2 50`", 9, (75, 12), "Ferrari, f32"),
+        (
+            "sphere tracing in 16 steps",
+            (2.0, 5.0),
+            6,
+            "Sphere tracing, 16 steps",
+            "grazing rays miss",
+        ),
+        ("Newton from one start", (9.0, 50.0 / 3.0), 2, "Newton, --r2 9", "steps jump past hits"),
+        ("Ferrari in f32", (2.0, 50.0), 9, "Ferrari in f32, --k2 50", "rounding errors"),
     ];
-    let captions = [
-        ["Gaps", "donut.c's steps at --k2 3.03:", "too few points this close up"],
-        ["A bitten outline", "sphere tracing with 16 steps:", "grazing rays run out of steps"],
-        ["Noise", "Ferrari's formula in f32 at --k2 50:", "rounding errors"],
-    ];
-    for (n, (name, scene, pose, corner, head)) in shown.into_iter().enumerate() {
-        let [title, first, second] = captions[n];
-        let (_, view, poses) = scenes().into_iter().find(|other| other.0 == scene).unwrap();
-        let [drawn, exact] = [name, "exact"].map(|name| {
-            let (_, mut draw) = methods(view).into_iter().find(|method| method.0 == name).unwrap();
-            draw(poses[pose].0, poses[pose].1)
-        });
-        let mark = |cell: usize| mark(drawn[cell], exact[cell]);
-        let cells = || (corner.0..corner.0 + PART.0, corner.1..corner.1 + PART.1);
-        let top = 84 + n * HEIGHT;
+    for ((name, (r2, k2), pose, title, failure), down) in shown.into_iter().zip(HEIGHTS) {
+        let (view, (a, b)) = (View::fitted(40, 20, 2.0, r2, k2), donut_c_poses(10)[pose]);
+        let method =
+            || methods(view).into_iter().filter(|method| method.0 == name).collect::<Vec<_>>();
+        let counted = |poses| wrong(&count(method(), view, poses).pop().unwrap().1);
+        let [here, in_ten] = [vec![(a, b)], donut_c_poses(10)].map(|poses| share(counted(poses)));
+        let drawn = method().pop().unwrap().1(a, b);
+        let exact = draw(Method::Exact, view, a, b);
+        let top = TOP + down;
+        let shares = format!("{failure}: {here}% wrong in this pose, {in_ten}% in ten");
         contents += &words("title", (LEFT, top + 34), title);
-        contents += &words("caption", (LEFT, top + 72), first);
-        contents += &words("caption", (LEFT, top + 102), second);
-        contents += &words("head", (LEFT, top + 152), head);
-        contents += &words("head", (RIGHT, top + 152), "exact");
-        contents += &part((&drawn, view.width), cells(), (LEFT, top + 166), mark);
-        contents += &part((&exact, view.width), cells(), (RIGHT, top + 166), |_| "");
+        contents += &words("caption", (LEFT, top + 70), &shares);
+        let all = || (0..view.width, 0..view.height);
+        contents += &part((&drawn, view.width), all(), (LEFT, top + 84), |_| "");
+        let mark = |cell: usize| mark(drawn[cell], exact[cell]);
+        contents += &part((&drawn, view.width), all(), (RIGHT, top + 84), mark);
     }
-    let title = "Three methods that fail, beside exact, with their wrong cells marked";
-    let width = RIGHT + pixels(PART.0, 0).0 + LEFT;
-    picture(title, (width, 84 + 3 * HEIGHT - 20), &contents)
+    let title =
+        "Donuts as three methods draw them where they fail, and with their wrong cells marked";
+    picture(title, (RIGHT + pixels(40, 0).0 + LEFT, TOP + 1510), &contents)
 }
