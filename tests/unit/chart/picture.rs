@@ -168,7 +168,7 @@ pub fn failures() -> String {
         let drawn = method().pop().unwrap().1(a, b);
         let exact = draw(Method::Exact, view, a, b);
         let top = TOP + down;
-        let shares = format!("{failure}: {here}% wrong in this pose, {in_ten}% in ten");
+        let shares = format!("{failure}: {here}% wrong in this pose, {in_ten}% over ten");
         contents += &words("title", (LEFT, top + 34), title);
         contents += &words("caption", (LEFT, top + 70), &shares);
         let all = || (0..view.width, 0..view.height);
