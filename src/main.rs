@@ -689,10 +689,10 @@ struct Options {
     /// Speed, in radians per frame [default: 0.04,0.02]
     ///
     /// DA is added to the angle A, and DB to B. Both are from -1000 to 1000.
-    /// Half of both is half as fast. The default looks equally fast at any
-    /// --fps; your own is added in each frame.
+    /// Half of both is half as fast. Without --spin, the speed is the same at
+    /// any --fps. With it, doubling --fps doubles the speed.
     #[arg(long, help_heading = "Motion", value_name = "DA,DB", verbatim_doc_comment)]
-    #[arg(value_parser = parse_angles, allow_hyphen_values = true)]
+    #[arg(alias = "speed", value_parser = parse_angles, allow_hyphen_values = true)]
     spin: Option<[f64; 2]>,
 
     /// Starting angle A, the tilt, in radians
@@ -782,7 +782,7 @@ const KEYS: &str = "Keys (letters in either case):
   space, p        pause or resume
   arrow keys      turn it: up and down tilt, left and right swing
   +, -            spin faster or slower
-  c               next colour
+  c               next of seven bright colours
   m               switch the method (needs default --r2 and --k2)
   s               shading off (a flat shape of dots) or on
   Ctrl-L          redraw the screen
@@ -792,7 +792,7 @@ const EXAMPLES: &str = "Examples:
   donut --fps 60 --color cyan     # smoother, and in colour
   donut --spin 0,0                # stands still until an arrow key turns it
   donut --r2 8 --spin 0.01,0.005  # a thin ring that spins slowly
-  donut --frames 1 | tail -c +8 > donut.txt   # one picture, as plain text";
+  donut --frames 1 | tail -c +8 > donut.txt   # plain text, without --color";
 
 const MAX_SIZE: u16 = 4096;
 // Every frame of donut.c can be asked for: its A stops growing at 2^20, and its B at 2^19.

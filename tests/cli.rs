@@ -68,6 +68,7 @@ fn values_are_accepted_within_their_limits_and_no_others_are() {
         ("-A {}", no_angle, ["'{}' for '-A", angle], "-2e6 -1.5 -1e-3 2000000"),
         ("-B {}", no_angle, ["'{}' for '-B", angle], "-2e6 -1.5 -1e-3 2000000"),
         ("--spin {}", no_spin, ["'{}' for '--spin", spin], "-1e3,1e3 -0.04,0.02 0,0"),
+        ("--speed {}", "2", ["'2' for '--spin", spin], "0.01,0.005"),
         ("--method {}", "magic", ["'{}' for '--method", "classic, exact"], "classic exact EXACT"),
         ("--color {}", no_color, ["'{}' for '--color", color], "0 255"),
         ("--r2 {}", "1.009 30.1 -2 nan ", ["'{}' for '--r2", r2], "1.01 4 30"),

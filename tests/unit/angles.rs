@@ -84,7 +84,8 @@ fn the_rate_of_frames_does_not_change_how_fast_the_donut_spins() {
 #[test]
 fn plus_and_minus_change_the_speed_by_a_quarter() {
     let options = options("--method=exact --spin=0.4,0.2");
-    let keys = [("+", 1.25), ("=", 1.25), ("=+", 1.5625), ("-", 0.8), ("--", 0.64), ("-+x", 1.0)];
+    let (held, most) = ("+".repeat(4000), 1.25_f64.powi(20));
+    let keys = [("+", 1.25), ("=", 1.25), ("-", 0.8), ("--", 0.64), ("-+x", 1.0), (&held, most)];
     for (keys, times) in keys {
         let mut show = Show::new(&options);
         keys.chars().for_each(|key| show.obey(key));

@@ -44,6 +44,5 @@ fn other_codes_and_answers_are_no_keys_and_the_next_key_is_one() {
     assert_keys(b"x\x1b", "x\x1b");
     assert_keys(b"\x1b\x1b\x1b\x1b", "\x1b");
     assert!(!Terminal::ends_in_code(b"\x1b\x1b\x1b") && !Terminal::ends_in_code(b"\x1bx"));
-    // What is not ASCII, such as a typed arrow.
     assert_keys("a\r\u{7f}↑".as_bytes(), "a\r\u{7f}â\u{86}\u{91}");
 }

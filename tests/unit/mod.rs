@@ -1,7 +1,6 @@
 //! The tests that look inside the program. Those in the folder above only run it.
 //!
-//! This file has what several of them need: stored files, views, poses, and the comparison of a picture
-//! with what the oracle sees.
+//! This file has what several of them need: files, views, poses, and the judgement of pictures.
 
 mod angles;
 mod aspect;

@@ -1,5 +1,4 @@
-//! How long each method takes for a frame, and how many of its cells are wrong; the pictures of the README
-//! and of the study, which is tests/chart/README.md; and the tables of the study.
+//! The study, tests/chart/README.md: its tables, and its pictures and those of the README.
 //!
 //! The study has the command that measures again. It writes its CSV file, and all that follows from it.
 

@@ -222,17 +222,14 @@ pub fn stability([_, by_k2, by_r2]: &Failures) -> String {
     ];
     // What is subtracted makes K2 the distance to the donut's near side, and R2 the radius of its hole.
     let k2_ticks = "3.011 3.1 5 10 100 1,000 100,000";
-    let contents = curves(
-        by_k2,
-        (166.0, 3.0, k2_ticks),
-        "exact, closed form, Ferrari in f64 (up to 300): 0",
-        &k2_words,
-    ) + &curves(
-        by_r2,
-        (566.0, 1.0, "1.01 1.1 2 10 30"),
-        "exact (in f32, too), closed form, Ferrari in f64: 0",
-        &r2_words,
-    );
+    let zero = "exact, closed form, Ferrari in f64 (up to 300): 0";
+    let contents = curves(by_k2, (166.0, 3.0, k2_ticks), zero, &k2_words)
+        + &curves(
+            by_r2,
+            (566.0, 1.0, "1.01 1.1 2 10 30"),
+            "exact (in f32, too), closed form, Ferrari in f64: 0",
+            &r2_words,
+        );
     let title = "Wrong cells of each method, over the distance and over the radius of the ring";
     chart(title, 924.0, &head, &contents)
 }
