@@ -264,10 +264,10 @@ impl Renderer {
     }
 }
 
-// Both methods work on eight numbers at a time, in vector instructions. A value of the types `f32x8` and
-// `f64x8`, from the crate wide, is eight numbers, its *lanes*. A formula is written as for one number, and
-// computed in every lane; in a formula, a plain number stands for eight of itself. Each lane rounds as a
-// single number would. Otherwise, `classic` could not match byte for byte.
+// The two methods follow. Both work on eight numbers at a time, in vector instructions. A value of the types
+// `f32x8` and `f64x8`, from the crate wide, is eight numbers, its *lanes*. A formula is written as for one
+// number, and computed in every lane; in a formula, a plain number stands for eight of itself. Each lane
+// rounds as a single number would. Otherwise, `classic` could not match byte for byte.
 
 // ---- classic: samples of the surface -------------------------------------------------------------
 
