@@ -557,8 +557,8 @@ struct Quartic {
 const MISS: f64 = f64::INFINITY;
 
 /// A step no longer than this, in units of R1, is the last one of a search. It decides how far outside the
-/// surface a search may end: see `first_hits`. This is the largest power of ten with which the tests find
-/// every hit on the surface, within rounding errors of 1e-13 (1 + R2).
+/// surface a search may end: see `first_hits`. This is the largest power of ten with which, in the tests,
+/// every hit is within 1e-13 (1 + R2) of the surface.
 const TOLERANCE: f64 = 1e-7;
 
 impl Quartic {
@@ -613,12 +613,14 @@ impl Quartic {
     /// r^2 <= |P|^2 = 2 R2 h + D - (R2^2 - 1) < 2 R2 h + D           by the definition of D
     /// D <= 4 TOLERANCE^2 (2 R2 h + D) / (4 R2 h + D)                from the three lines above
     /// ```
-    /// The fraction is at most 1, so D is tiny; and then it is about 1/2, and D at most about 2 TOLERANCE^2.
+    /// The fraction is at most 1, so D is tiny. Then the fraction is about 1/2, so D is at most about
+    /// 2 TOLERANCE^2.
     ///
     /// If G does not fall at s, then g <= -2 base TOLERANCE^2. As G has not been negative before s, it curves
-    /// upward where it is so small: G'' = 8 s^2 + 4 base >= 0, about. So g <= 4 s^2 TOLERANCE^2, and as above,
-    /// D is at most about 2 TOLERANCE^2 at s. Up to r, G rises by its slope, which is at most sqrt(2 G'' g),
-    /// and by w^2: there, D is at most about 4 TOLERANCE^2.
+    /// upward where it is so small: G'' = 8 s^2 + 4 base >= 0, about. So g <= 4 s^2 TOLERANCE^2, and as
+    /// above, D is at most about 2 TOLERANCE^2 at s. At r, the parabola is 0, so G is what it leaves out: w^2,
+    /// and the step times G's slope, which is at most sqrt(2 G'' g). Each is at most about 4 s^2 TOLERANCE^2,
+    /// so there, D is at most about 4 TOLERANCE^2.
     ///
     /// Near a simple root, the search is as fast as Newton's method. Usually it takes three or four steps, as
     /// counted in the study in tests/chart. But for rays made to have a multiple root, it may take more than a
@@ -689,8 +691,9 @@ struct Options {
     /// Speed, in radians per frame [default: 0.04,0.02]
     ///
     /// DA is added to the angle A, and DB to B. Both are from -1000 to 1000.
-    /// Half of both is half as fast. Without --spin, the speed is the same at
-    /// any --fps. With it, doubling --fps doubles the speed.
+    /// Half of both is half as fast. The default is for 30 frames a second:
+    /// without --spin, the speed is the same at any --fps but 0. With it,
+    /// doubling --fps doubles the speed.
     #[arg(long, help_heading = "Motion", value_name = "DA,DB", verbatim_doc_comment)]
     #[arg(alias = "speed", value_parser = parse_angles, allow_hyphen_values = true)]
     spin: Option<[f64; 2]>,
@@ -747,8 +750,9 @@ struct Options {
     ///
     /// At least 1.01 more than --r2, and at most 1000000. The default is
     /// 5 (1 + R) / 3 with --r2 R. From farther away, the perspective is
-    /// flatter. The donut is scaled so that it never leaves the window: from
-    /// very near, most of the time it has only a few characters.
+    /// flatter. Except in donut.c's picture, the donut is scaled so that it
+    /// is never cut off: from very near, most of the time it is only a few
+    /// characters.
     #[arg(long, help_heading = "Look", value_name = "D", verbatim_doc_comment)]
     #[arg(value_parser = within("a number at least 1.01 more than --r2, and", K2_RANGE))]
     k2: Option<f64>,
@@ -939,9 +943,9 @@ fn run(options: &Options) -> io::Result<()> {
     }
 }
 
-/// donut.c's `for (;;)`. Each iteration waits until the next frame is due, and then draws it. On a
-/// terminal, a key, a new size or another signal ends the wait, and the current frame may have to be drawn
-/// again.
+/// donut.c's `for (;;)`. Each iteration waits until the next frame is due, and then draws it. On a terminal,
+/// the wait also ends after a second, or at a key, a new size or another signal, and the current frame may
+/// have to be drawn again.
 fn play(options: &Options, terminal: Option<&Terminal>) -> io::Result<()> {
     // 0 means no limit. If --fps is tiny, a Duration cannot hold the seconds. 1e9, nearly 32 years, will do.
     let seconds = if options.fps > 0.0 { f64::min(1.0 / options.fps, 1e9) } else { 0.0 };
@@ -1352,7 +1356,7 @@ impl Terminal {
                 // Other answers are texts, which end with BEL or `ESC \`.
                 Some(b'P' | b']' | b'_') => while bytes.next_if(|byte| *byte >= b' ').is_some() {},
                 Some(_) => {} // Alt and a key.
-                // The Esc key, or else Alt and another control character, or an arrow key.
+                // At the end, the Esc key. Before a control character, such as another Esc, it is Alt.
                 None if bytes.peek().is_none() => keys.push('\x1b'),
                 None => {}
             }
@@ -1360,9 +1364,9 @@ impl Terminal {
         keys
     }
 
-    /// Ctrl-C, Ctrl-\ or Ctrl-Z: sends the job the signal that the terminal usually sends for it, but
-    /// not in raw mode. Leaves first, because the signal also ends or stops the program that runs this
-    /// one, such as xargs, and then the shell takes the terminal back.
+    /// Ctrl-C, Ctrl-\ or Ctrl-Z: sends the job the signal that the terminal would send outside raw mode.
+    /// Leaves first, because the signal also ends or stops the program that runs this one, such as xargs, and
+    /// then the shell takes the terminal back.
     fn send_signal(&self, key: char) -> io::Result<()> {
         leave(self.uses_alternate_screen)?;
         if key == '\x1a' {
