@@ -78,7 +78,7 @@
 //! `classic` is all of the above: for each sample, it asks which cell the sample falls into. `exact` goes the
 //! other way: for each cell, it asks what is there. It follows the ray from the viewer through the centre of
 //! the cell. A number s says where on the ray a point is, and the ray meets the surface where a polynomial
-//! G(s), of degree four, is 0. There are at most four such points, and the cell shows the first, lit as above.
+//! G(s), of degree four, is 0. There are at most four such points. The cell shows the first, lit as above.
 //!
 //! Below are the view, the rendering, the two methods, the options, the loop, and last the terminal.
 //!
@@ -165,7 +165,7 @@ fn outline_radius(r2: f64, k2: f64) -> f64 {
 
 // ---- Rendering -----------------------------------------------------------------------------------
 
-// clap takes the text of --help from the doc comments of this enum and of `Options`.
+// clap takes the text of --help from the doc comments of `Options`, and that of completions from these, too.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum Method {
     /// Plot many points, show the nearest
@@ -497,11 +497,11 @@ impl Torus {
         -(sphere_radius * sphere_radius - d0_squared).fast_max(f64x8::ZERO).sqrt()
     }
 
-    /// Each ray's G (see `Quartic`). Let h be the distance of P from the axis. The square of P's distance from
-    /// the ring is (h - R2)^2 + f^2: 1 on the surface, more outside, and less inside. So G can be
+    /// Each ray's G (see `Quartic`). Let h be the distance of P from the axis. The square of P's distance
+    /// from the ring is (h - R2)^2 + f^2: 1 on the surface, more outside, and less inside. So G can be
     /// (h - R2)^2 + f^2 - 1 times anything positive, such as (h + R2)^2 + f^2 - 1, which is positive because
-    /// R2 > 1. In the product, h appears only as h^2, a polynomial in s. With m = h^2 + f^2 + R2^2 - 1, which
-    /// is |P|^2 + R2^2 - 1:
+    /// R2 > 1. In the product, h appears only as h^2, a polynomial in s. With m = h^2 + f^2 + R2^2 - 1, or
+    /// |P|^2 + R2^2 - 1:
     /// ```text
     /// G = (m - 2 R2 h) (m + 2 R2 h) = m^2 - 4 R2^2 h^2 = m^2 - 4 R2^2 (|P|^2 - f^2)
     ///   = (s^2 + m0)^2 - 4 R2^2 (d0^2 + s^2 - (f0 + fu s)^2)     where m0 = d0^2 + R2^2 - 1
@@ -618,13 +618,13 @@ impl Quartic {
     ///
     /// If G does not fall at s, then g <= -2 base TOLERANCE^2. As G has not been negative before s, it curves
     /// upward where it is so small: G'' = 8 s^2 + 4 base >= 0, about. So g <= 4 s^2 TOLERANCE^2, and as
-    /// above, D is at most about 2 TOLERANCE^2 at s. At r, the parabola is 0, so G is what it leaves out: w^2,
-    /// and the step times G's slope, which is at most sqrt(2 G'' g). Each is at most about 4 s^2 TOLERANCE^2,
-    /// so there, D is at most about 4 TOLERANCE^2.
+    /// above, D is at most about 2 TOLERANCE^2 at s. At r, the parabola is 0, so G is what it leaves out:
+    /// w^2, and the step times G's slope, which is at most sqrt(2 G'' g). Each of these is at most about
+    /// 4 s^2 TOLERANCE^2, so there, D is at most about 4 TOLERANCE^2.
     ///
     /// Near a simple root, the search is as fast as Newton's method. Usually it takes three or four steps, as
-    /// counted in the study in tests/chart. But for rays made to have a multiple root, it may take more than a
-    /// thousand, and rounding may end it up to 0.1 along the ray from the root, with 8 L off by less than
+    /// counted in the study in tests/chart. But for rays made to have a multiple root, it may take more than
+    /// a thousand, and rounding may end it up to 0.1 along the ray from the root, with 8 L off by less than
     /// 0.05. A graze may or may not count as a hit.
     fn first_hits(&self, entry: f64x8) -> f64x8 {
         let mut s = entry;
@@ -649,7 +649,7 @@ impl Quartic {
         let fall = (-2.0 * base * s - q).fast_max(f64x8::ZERO);
         let discriminant = fall * fall - 2.0 * base * g;
         let has_root = discriminant.simd_ge(f64x8::ZERO);
-        // Without a root, or if base and fall are 0, the divisor is 0, and if g > 0, the quotient is infinite.
+        // Without a root, or if base and fall are 0, the divisor is 0: if g > 0, the quotient is infinite.
         s + g / has_root.select(fall + discriminant.sqrt(), f64x8::ZERO)
     }
 }
@@ -1318,8 +1318,8 @@ impl Terminal {
         Ok(bytes)
     }
 
-    /// Whether the last bytes may be the beginning of an arrow key's code. (Esc alone may also be the Esc key.
-    /// Three in a row are that key, held down; the wait for more might never end.)
+    /// Whether the last bytes may be the beginning of an arrow key's code. (Esc alone may also be the Esc
+    /// key. Three in a row are that key, held down; the wait for more might never end.)
     fn ends_in_code(bytes: &[u8]) -> bool {
         let last = bytes.iter().rposition(|&byte| byte == 0x1b);
         last.is_some_and(|last| match &bytes[last + 1..] {

@@ -276,11 +276,10 @@ fn table() -> String {
     for name in measured(SIZES[0]).into_iter().map(|row| row.name).chain([only_large.into()]) {
         let [small, large] = SIZES.map(|size| match find(size, &name) {
             Some(row) => {
-                let [different, far_off, wrong] =
-                    [row.different, row.far_off, row.wrong].map(share);
+                let [different, far_off] = [row.different, row.far_off].map(share);
                 let other_rule = ["donut.c", "turning", "classic", "exact with"];
                 let is_other = other_rule.iter().any(|start| name.starts_with(start));
-                let wrong = if is_other { "-".into() } else { wrong };
+                let wrong = if is_other { "-".into() } else { share(row.wrong) };
                 vec![micros(&row), different, far_off, format!("{:.2}", row.flicker), wrong]
             }
             None => vec![String::new(); 5],

@@ -215,7 +215,7 @@ pub fn exact_f32(view: &View, a: f64, b: f64) -> Vec<u8> {
     const TIE_BIAS: f32 = 1e-6;
     let &View { r2, k2, width, height, cx, cy, k1x, k1y } = view;
     let numbers = [r2, k2, cx, cy, 1.0 / k1x, k1x, k1y, outline_radius(r2, k2)];
-    let [r2, k2, cx, cy, columns_to_dx, k1x, k1y, radius] = numbers.map(|number| number as f32);
+    let [r2, k2, cx, cy, dx_per_column, k1x, k1y, radius] = numbers.map(|number| number as f32);
     let [nx, ny, nz] = axis(a, b).map(|number| number as f32);
     let (r2_squared, sphere_squared) = (r2 * r2, (1.0 + r2) * (1.0 + r2));
     let mut framebuffer = vec![b' '; width * height];
@@ -225,7 +225,7 @@ pub fn exact_f32(view: &View, a: f64, b: f64) -> Vec<u8> {
         let (start, end) = ((cx - half_width) as usize, width.min((cx + half_width) as usize + 1));
         for (i, cells) in line[start..end].chunks_mut(8).enumerate() {
             let x = (start + 8 * i) as f32 + f32x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
-            let dx = (x - cx) * columns_to_dx;
+            let dx = (x - cx) * dx_per_column;
             let xy_squared = dx * dx + dy * dy;
             let uz = 1.0 / (1.0 + xy_squared).sqrt();
             let depth = k2 * uz * uz;

@@ -47,7 +47,7 @@ fn block(class: &str, (x, y): (usize, usize), count: usize) -> String {
 
 /// The part of a picture in these columns and rows, with its top left corner at this place. `mark` gives
 /// the class of each cell, or nothing where it is not marked.
-pub fn part(
+fn part(
     (picture, width): (&[u8], usize),
     (columns, rows): (Range<usize>, Range<usize>),
     (x, y): (usize, usize),
@@ -72,8 +72,8 @@ pub fn part(
 /// The marks differ in lightness, too, for those who cannot tell their colours.
 const STYLE: &str = "text{font:16.6px ui-monospace,Menlo,Consolas,'DejaVu Sans Mono',monospace;\
     fill:#e6e6e6;white-space:pre}rect{shape-rendering:crispEdges}.page{fill:#16181d}\
-    .title,.head,.caption{font:24px system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif;fill:#c3cad3}\
-    .title{font-size:32px;font-weight:bold;fill:#ffffff}.head{font-weight:bold}\
+    .title,.caption{font:24px system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif;fill:#c3cad3}\
+    .title{font-size:32px;font-weight:bold;fill:#ffffff}\
     rect.shade{fill:#2a66b8}rect.extra{fill:#cf7c2c}text.extra{fill:#16181d}rect.hole{fill:#f2c9d8}\
     .note{font:19px system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif;fill:#8b949e}";
 
